@@ -1,4 +1,4 @@
-"""Tools that the benchmarks share: runs in turns, the scene, and a table of measured figures, docs/verification/performance.csv."""
+"""Shared by the benchmarks: alternating runs, the reference scene, and the table the measured figures."""
 
 import csv
 from pathlib import Path
@@ -11,24 +11,32 @@ HEADINGS = ("part", "case", "quantity", "value", "unit")
 R1 = {"omega1": 100.0, "load_torque": 10.0}
 
 
-def in_turns(ways, rounds):
-    """Results of calls, by name, made one after the other in each round: a list by name."""
-    found = [{name: call() for name, call in ways.items()} for _ in range(rounds)]
-    return {name: [results[name] for results in found] for name in ways}
-
-
-def keep_parts(parts):
-    """Write measured parts into the table, in place of what it had of them.
+def in_turns(calls, rounds):
+    """Make each call once per round, so that slow phases of the machine affect all calls alike.
 
     Args:
-        parts: by name, each a list of (case, quantity, value, unit).
+        calls: Functions without arguments, by name.
+        rounds: Number of rounds.
+
+    Returns:
+        List of the results of each call, by name.
     """
-    kept = []
+    all_results = [{name: call() for name, call in calls.items()} for _ in range(rounds)]
+    return {name: [results[name] for results in all_results] for name in calls}
+
+
+def update_table(parts):
+    """Replace parts of the table docs/verification/performance.csv.
+
+    Args:
+        parts: Lists of (case, quantity, value, unit) by the name of the part.
+    """
+    other_rows = []
     if TABLE.exists():
-        kept = [row for row in csv.reader(TABLE.read_text().splitlines()[1:]) if row[0] not in parts]
+        other_rows = [row for row in csv.reader(TABLE.read_text().splitlines()[1:]) if row[0] not in parts]
     measured = [
         [part, case, quantity, f"{value:.6g}", unit]
         for part, figures in parts.items()
         for case, quantity, value, unit in figures
     ]
-    write_rows(TABLE, HEADINGS, [*kept, *measured])
+    write_rows(TABLE, HEADINGS, [*other_rows, *measured])

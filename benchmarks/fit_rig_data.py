@@ -1,7 +1,7 @@
-"""Makes examples/fit_rig.csv, which looks like a measurement of a rig and is none.
+"""Write examples/fit_rig.csv, a synthetic measurement of a test rig.
 
-The speeds are those of the independent reference, virtual work solved by SciPy, of a module whose
-imbalance and link 2 are heavier than drawn; to them comes normal noise.
+The speeds are computed by the independent reference for a module whose imbalance mass and link 2 are
+heavier than in the scene. Normal noise is added.
 Run: python -m benchmarks.fit_rig_data
 """
 
@@ -15,17 +15,21 @@ from verification.reference.motion import Reference
 
 TRUE = {"imbalance_mass": 1.07, "link2_inertia": 0.0062, "output_inertia": 0.5}
 OMEGA1, LOAD_TORQUE = 100.0, 10.0
-# every 2 ms, the first 0.7 ms after the start
+# sampling times, s: every 2 ms, the first 0.7 ms after the start
 TIMES = 0.7e-3 + 2e-3 * np.arange(249)
-# standard deviations, rad/s: of an encoder on link 2 and of a better one on the shaft
+# standard deviations of the encoders on link 2 and on the output shaft, rad/s
 NOISE = {"omega2": 0.5, "omega_out": 0.1}
 SEED = 17
 FILE = Path(__file__).parents[1] / "examples" / "fit_rig.csv"
 
 
-def true_speeds(**changed):
-    """Speeds of link 2 and of the output shaft at TIMES, rad/s, by name, with other values of parameters."""
-    motion, speeds = Reference(TRUE | changed, OMEGA1, LOAD_TORQUE), []
+def true_speeds(**parameters):
+    """Return the speeds of link 2 and of the output shaft at TIMES, rad/s, by name.
+
+    Args:
+        parameters: Parameters that override TRUE.
+    """
+    motion, speeds = Reference(TRUE | parameters, OMEGA1, LOAD_TORQUE), []
     for time in TIMES:
         motion.advance(time)
         speeds.append(motion.state[[OMEGA2, OMEGA3]])
@@ -33,7 +37,12 @@ def true_speeds(**changed):
 
 
 def measured(true, seed):
-    """A measurement as of a logger: time in ms, speeds in rpm, with noise."""
+    """Return the columns of a measurement with noise: time in ms, speeds in rpm.
+
+    Args:
+        true: Exact speeds, rad/s, by name.
+        seed: Seed of the noise.
+    """
     noise = np.random.default_rng(seed)
     columns = {name: values + noise.normal(0.0, NOISE[name], values.size) for name, values in true.items()}
     rpm = {name: np.round(values * 30.0 / np.pi, 2) for name, values in columns.items()}

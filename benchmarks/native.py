@@ -1,7 +1,6 @@
-"""Cost of the native FMUs, measured by benchmarks/speed.py.
+"""Cost of a step of the native FMUs in a C host and in fmpy; speed.py measures it.
 
-A C host steps them in a loop (benchmarks/native/loop.c), next to the least a native FMU can be
-(benchmarks/native/empty.c), in turns; fmpy does the same.
+The C host (benchmarks/native/loop.c) steps the FMUs and an empty FMU (benchmarks/native/empty.c) alternately.
 """
 
 import statistics
@@ -21,16 +20,24 @@ from inertia_module.fmu.linking import header_folder
 HERE = Path(__file__).parent / "native"
 ROUNDS = 5
 STEP = 1e-3
-# what the C host is told: step, s; steps, and how many are timed together; repeats; tolerance
+# arguments of the C host: step, s; number of steps; steps per measured batch; repeats; tolerance
 HOST = (STEP, 20000, 500, 3, 1e-6)
-# an input inertia with which omega1 hardly changes: the same motion as with omega1 given
+# with this input inertia omega1 is nearly constant, so the motion resembles the speed-driven one
 TORQUE = {"drive_torque": 15.0, "load_torque": 10.0, "omega1": 100.0, "input_inertia": 100.0}
 STANDSTILL = {"omega1": 0.0, "load_torque": 10.0}
 SHAFT = {"hub_speed": 20.0, "load_torque": 3.0}
 
 
 class Library(NamedTuple):
-    """A native FMU unpacked: its library, GUID, references by name and folder."""
+    """Unpacked native FMU.
+
+    Attributes:
+        path: Path of the shared library.
+        guid: GUID of the FMU.
+        references: Value references by variable name.
+        folder: Folder of the unpacked FMU.
+        identifier: Model identifier.
+    """
 
     path: str
     guid: str
@@ -40,13 +47,24 @@ class Library(NamedTuple):
 
 
 def compile_c(source, target, *options):
+    """Compile a C file with optimisation.
+
+    Args:
+        source: C file.
+        target: File to write.
+        options: More arguments of the compiler.
+    """
     command = [*ZIG, "cc", "-std=gnu99", "-O2", "-fno-sanitize=all", "-Wall", "-Wextra", "-Werror"]
     files = ["-isystem", str(header_folder()), "-o", str(target), str(source)]
     subprocess.run([*command, *files, *options], check=True)
 
 
 def unpacked(path):
-    """An FMU as a Library."""
+    """Unpack an FMU into a temporary folder and return it as a Library.
+
+    Args:
+        path: Path of the FMU.
+    """
     description = read_model_description(str(path))
     folder, identifier = extract(str(path)), description.coSimulation.modelIdentifier
     references = {v.name: v.valueReference for v in description.modelVariables}
@@ -55,7 +73,11 @@ def unpacked(path):
 
 
 def empty_fmu(workshop):
-    """The empty FMU as a Library."""
+    """Compile the empty FMU and return it as a Library.
+
+    Args:
+        workshop: Folder to write into.
+    """
     folder = workshop / "empty"
     (folder / "binaries" / "linux64").mkdir(parents=True)
     library = folder / "binaries" / "linux64" / "empty.so"
@@ -63,16 +85,26 @@ def empty_fmu(workshop):
     return Library(str(library), "", {"u": 0, "v": 1, "y": 2, "z": 3}, str(folder), "empty")
 
 
-def timed(loop, library, values, outputs, **whole):
-    """Wall time of a step with two values set and two read, and of the worst step, ns, in a run of the C host."""
+def timed(loop, library, values, outputs, **integers):
+    """Run the C host and return the wall time of a step and of the slowest step, ns.
+
+    A step includes setting two inputs and reading two outputs.
+
+    Args:
+        loop: Path of the C host.
+        library: The FMU.
+        values: Values of real variables, by name.
+        outputs: Names of the two outputs.
+        integers: Values of integer variables, by name.
+    """
     numbers = library.references
-    given = [f"{numbers[name]}={value!r}" for name, value in values.items()]
-    given += [f"i{numbers[name]}={value}" for name, value in whole.items()]
+    settings = [f"{numbers[name]}={value!r}" for name, value in values.items()]
+    settings += [f"i{numbers[name]}={value}" for name, value in integers.items()]
     read = [str(numbers[name]) for name in outputs]
-    command = [str(loop), library.path, library.guid, *map(str, HOST), *read, *given]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    *batches, _, worst = done.stdout.splitlines()
-    return statistics.median(map(float, batches)), float(worst.split()[1])
+    command = [str(loop), library.path, library.guid, *map(str, HOST), *read, *settings]
+    process = subprocess.run(command, capture_output=True, text=True, check=True)
+    *batches, _, slowest = process.stdout.splitlines()
+    return statistics.median(map(float, batches)), float(slowest.split()[1])
 
 
 OUTPUTS = ("omega_out", "output_torque_mean")
@@ -89,26 +121,48 @@ CASES = {
 
 
 def c_loop(loop, module, shaft, empty):
-    """Measure the time of a step, ns, and the worst step, us, of each case."""
-    cost = partial(timed, loop)
-    ways = {"empty native FMU": partial(cost, empty, {"u": 1.0, "v": 2.0}, ("y", "z"))}
-    for name, (values, whole) in CASES.items():
-        ways[name] = partial(cost, module, values, OUTPUTS, **whole)
-    ways["DrivenShaft"] = partial(cost, shaft, SHAFT, ("omega_out", "shaft_torque_mean"))
+    """Measure the time of a step, ns, and of the slowest step, us, by case.
+
+    Args:
+        loop: Path of the C host.
+        module: FMU of the module.
+        shaft: FMU of the driven shaft.
+        empty: Empty FMU.
+    """
+    measure = partial(timed, loop)
+    calls = {"empty native FMU": partial(measure, empty, {"u": 1.0, "v": 2.0}, ("y", "z"))}
+    for name, (values, integers) in CASES.items():
+        calls[name] = partial(measure, module, values, OUTPUTS, **integers)
+    calls["DrivenShaft"] = partial(measure, shaft, SHAFT, ("omega_out", "shaft_torque_mean"))
     return {
-        name: (statistics.median(step for step, _ in runs), min(worst for _, worst in runs) / 1e3)
-        for name, runs in in_turns(ways, ROUNDS).items()
+        name: (statistics.median(step for step, _ in runs), min(slowest for _, slowest in runs) / 1e3)
+        for name, runs in in_turns(calls, ROUNDS).items()
     }
 
 
 def through_fmpy(cases, quantity):
-    """Rows of a step and two reads through fmpy, in turns: library, values and outputs by name."""
+    """Measure a step and two reads through fmpy, with alternating cases.
+
+    Args:
+        cases: Arguments of fmpy_loop (library, values, outputs) by name.
+        quantity: Name of the measured quantity.
+
+    Returns:
+        List of (case, quantity, time in us, "us").
+    """
     runs = in_turns({name: partial(fmpy_loop, *case) for name, case in cases.items()}, ROUNDS)
     return [(name, quantity, statistics.median(times), "us") for name, times in runs.items()]
 
 
 def fmpy_loop(library, values, outputs, steps=20000):
-    """Cost of a step and two reads through fmpy, us."""
+    """Return the time of a step and two reads through fmpy, us.
+
+    Args:
+        library: The FMU.
+        values: Values of real variables, by name.
+        outputs: Names of the outputs.
+        steps: Number of steps.
+    """
     fmu = FMU2Slave(
         guid=library.guid,
         unzipDirectory=library.folder,
@@ -132,15 +186,24 @@ def fmpy_loop(library, values, outputs, steps=20000):
 
 
 def figures(workshop, module_path, shaft_path):
-    """Figures of steps of 1 ms, two values set and two read, in a C host and through fmpy."""
+    """Measure steps of 1 ms with two inputs and two outputs, in a C host and through fmpy.
+
+    Args:
+        workshop: Folder to write into.
+        module_path: FMU of the module.
+        shaft_path: FMU of the driven shaft.
+
+    Returns:
+        List of (case, quantity, value, unit).
+    """
     loop = workshop / "loop"
     compile_c(HERE / "loop.c", loop, "-ldl", "-lm")
     module, shaft, empty = unpacked(module_path), unpacked(shaft_path), empty_fmu(workshop)
-    found = []
-    for name, (step, worst) in c_loop(loop, module, shaft, empty).items():
-        found += [(name, "time of a step", step, "ns"), (name, "worst step", worst, "us")]
+    rows = []
+    for name, (step, slowest) in c_loop(loop, module, shaft, empty).items():
+        rows += [(name, "time of a step", step, "ns"), (name, "worst step", slowest, "us")]
     cases = {
         "empty native FMU": (empty, {"u": 1.0}, ("y", "z")),
         "module at a standstill": (module, STANDSTILL, OUTPUTS),
     }
-    return found + through_fmpy(cases, "time of a step and two reads through fmpy")
+    return rows + through_fmpy(cases, "time of a step and two reads through fmpy")

@@ -1,7 +1,8 @@
-"""Speed of the module in all its forms and of C written by hand (by_hand.c), written into docs/verification/performance.csv.
+"""Measure the speed of the module in all its forms and of hand-written C; update the table of figures.
 
-The C computes the motion of scene R1 and nothing else, with another method of lower order: a yardstick, not a twin. It is
-compiled with -O3 for the processors that the native FMU is made for, and compared with the kernel before it is timed.
+The C program (by_hand.c) computes only the motion of scene R1, with a method of lower order. It is compiled
+with -O3 for the same processors as the native FMU, and its results are compared with the kernel before it is
+timed.
 Run: python -m benchmarks.speed
 """
 
@@ -19,9 +20,9 @@ from pythonfmu import FmuBuilder
 from rich.progress import track
 
 from benchmarks import averaged, native
-from benchmarks.figures import R1, TABLE, in_turns, keep_parts
+from benchmarks.figures import R1, TABLE, in_turns, update_table
 from inertia_module.compiling.tools import ZIG
-from inertia_module.fidelity.trials import kernel_time, median_time
+from inertia_module.fidelity.timing import kernel_time, median_time
 from inertia_module.fmi.instance import Fmu
 from inertia_module.fmu.builder import MODULE_FMU, PYTHON_FMU, SHAFT_FMU, build
 from inertia_module.model import Module
@@ -36,11 +37,12 @@ CONSTANTS = (
     *("pole_offset", "pole_arm", "spin", "J2", "J3", "J16", "harmonic"),
 )
 STATE = ("q", "omega2", "omega3", "step", "mode", "switches", "evaluations")
-WANTED = 1e-6
+# allowed relative error of omega_out after 1 s
+MAX_ERROR = 1e-6
+# tolerances to try, from loose to tight; the C program misses events at looser ones than 1e-6
 COARSE = [10.0**-n for n in range(4, 11)]
 FINE = [10.0 ** (-n / 4) for n in range(12, 49)]
-# the C misses events at looser ones
-BEARABLE = [tolerance for tolerance in FINE if tolerance < 1.1e-6]
+C_TOLERANCES = [tolerance for tolerance in FINE if tolerance < 1.1e-6]
 STEPS = {"one step of 1 s": 1, "steps of 1 ms": 1000}
 ROUNDS, REPEATS = 21, 7
 START = """
@@ -53,15 +55,24 @@ with Fmu({path!r}, inputs={{"omega1": 100.0}}) as fmu:
 os._exit(0)  # pythonfmu 0.7 writes to freed memory at the exit of the process
 """
 
-# --- a simulated second of R1 at a tolerance: output speed at its end, right-hand sides, time in s ---
+# --- runs of R1 over 1 s: (final output speed in rad/s, right-hand-side evaluations, time in s, switches) ---
 
 
 def structure(names):
+    """Return a ctypes structure of doubles.
+
+    Args:
+        names: Names of the fields.
+    """
     return type("Numbers", (ctypes.Structure,), {"_fields_": [(name, ctypes.c_double) for name in names]})
 
 
 def by_hand(folder):
-    """By the C library, as a function of the tolerance and the number of steps; it also tells the switches."""
+    """Compile by_hand.c and return its run as a function of the tolerance and the number of steps.
+
+    Args:
+        folder: Folder to write into.
+    """
     path = Path(folder) / "by_hand.so"
     command = [*ZIG, "cc", *FLAGS, "-shared", "-fPIC", str(HERE / "by_hand.c"), "-o", str(path), "-lm"]
     subprocess.run(command, check=True)
@@ -70,83 +81,112 @@ def by_hand(folder):
     mechanism = structure([*CONSTANTS, "omega1", "load"])(*constants, R1["omega1"], R1["load_torque"])
 
     def run(tolerance, steps):
-        state = structure(STATE)(step=1e-3, mode=1.0)  # at rest, the load carried by the housing freewheel
+        state = structure(STATE)(step=1e-3, mode=1.0)  # at rest, housing freewheel locked
         numbers = ctypes.c_double(tolerance), ctypes.c_double(1.0 / steps), ctypes.c_long(steps)
         begin = time.perf_counter()
         status = library.run(ctypes.byref(mechanism), ctypes.byref(state), *numbers)
-        taken = time.perf_counter() - begin
+        duration = time.perf_counter() - begin
         if status:
-            raise RuntimeError(f"by_hand.c gives up at tolerance {tolerance:g}")
-        return state.omega3, state.evaluations, taken, state.switches
+            raise RuntimeError(f"by_hand.c failed at tolerance {tolerance:g}")
+        return state.omega3, state.evaluations, duration, state.switches
 
     return run
 
 
 def by_kernel(tolerance, steps):
-    """By the compiled kernel, with the switches."""
+    """Run the compiled kernel.
+
+    Args:
+        tolerance: Relative tolerance.
+        steps: Number of communication steps.
+    """
     module = Module("compiled").start(tolerance=tolerance, **R1)
     begin = module.save()
     for _ in range(steps):
         module.advance(1.0 / steps)
     omega_out, switches, evaluations = module.read(("omega_out", "contact_switches", "rhs_evaluations"))
-    given = [(R1["omega1"], R1["load_torque"], 0.0)] * steps
-    return omega_out, evaluations, kernel_time(module, begin, given, 1.0 / steps, repeats=1), switches
+    inputs = [(R1["omega1"], R1["load_torque"], 0.0)] * steps
+    return omega_out, evaluations, kernel_time(module, begin, inputs, 1.0 / steps, repeats=1), switches
 
 
 def timed(plant, steps, *time):
-    """By a module or FMU at its start."""
+    """Run a module or FMU repeatedly; return omega_out, evaluations and the median time.
+
+    Args:
+        plant: Module or FMU at time 0.
+        steps: Number of communication steps.
+        time: Arguments of plant.restore after the state.
+    """
     begin, result = plant.save(), [0.0, 0.0]
 
-    def again():
+    def repeat():
         plant.restore(begin, *time)
         for _ in range(steps):
             plant.advance(1.0 / steps)
             result[:] = plant.read(("omega_out", "rhs_evaluations"))
 
-    again()
-    return *result, median_time(again)
+    repeat()
+    return *result, median_time(repeat)
 
 
 def plain_run(tolerance):
-    """By the kernel in plain Python."""
+    """Run the kernel in plain Python.
+
+    Args:
+        tolerance: Relative tolerance.
+    """
     return timed(Module("plain").start(tolerance=tolerance, **R1), 1)
 
 
 def fmu_run(path, steps, tolerance):
-    """By an FMU."""
+    """Run an FMU.
+
+    Args:
+        path: Path of the FMU.
+        steps: Number of communication steps.
+        tolerance: Relative tolerance.
+    """
     with Fmu(path, inputs=R1, tolerance=tolerance) as fmu:
         return timed(fmu, steps, 0.0)
 
 
 def seconds_of_r1(module, python, folder):
-    """Figures of all forms at the loosest tolerance whose error in omega_out is small enough.
+    """Measure all forms of the module, each at its loosest tolerance with an error of at most MAX_ERROR.
 
-    The kernel and the C take turns; the others are slow, and take their own median.
+    Runs of the kernel and of the C program alternate. The others are slow and are measured one by one.
+
+    Args:
+        module: Native FMU of the module.
+        python: Python FMU of the module.
+        folder: Folder to write into.
+
+    Returns:
+        List of (case, quantity, value, unit).
     """
-    hand, wanted = by_hand(folder), by_kernel(1e-13, 1000)
-    found = hand(1e-12, 1)
-    if found[3] != wanted[3] or not abs(found[0] / wanted[0] - 1.0) < 1e-9:
-        raise RuntimeError(f"by_hand.c: {found}; the kernel: {wanted}")
+    hand_written, expected = by_hand(folder), by_kernel(1e-13, 1000)
+    actual = hand_written(1e-12, 1)
+    if actual[3] != expected[3] or not abs(actual[0] / expected[0] - 1.0) < 1e-9:
+        raise RuntimeError(f"by_hand.c: {actual}; the kernel: {expected}")
     fast = {
-        f"{way}, {name}": (partial(run, steps=steps), tolerances)
+        f"{form}, {name}": (partial(run, steps=steps), tolerances)
         for name, steps in STEPS.items()
-        for way, run, tolerances in (
+        for form, run, tolerances in (
             ("kernel, compiled", by_kernel, FINE),
-            ("hand-written C", hand, BEARABLE),
+            ("hand-written C", hand_written, C_TOLERANCES),
         )
     }
     slow = {"kernel, plain Python, one step of 1 s": (plain_run, COARSE)}
-    for way, path in (("native FMU in an fmpy loop", module), ("Python FMU in an fmpy loop", python)):
-        slow |= {f"{way}, {name}": (partial(fmu_run, path, steps), COARSE) for name, steps in STEPS.items()}
+    for form, path in (("native FMU in an fmpy loop", module), ("Python FMU in an fmpy loop", python)):
+        slow |= {f"{form}, {name}": (partial(fmu_run, path, steps), COARSE) for name, steps in STEPS.items()}
     rows = []
     for runs, rounds in ((fast, ROUNDS), (slow, 1)):
         settings = {}
         for case, (run, tolerances) in track(runs.items(), "measuring"):
-            errors = ((tolerance, abs(run(tolerance)[0] / wanted[0] - 1.0)) for tolerance in tolerances)
-            settings[case] = next(pair for pair in errors if pair[1] <= WANTED)
-        ways = {case: partial(run, settings[case][0]) for case, (run, _) in runs.items()}
-        for case, results in in_turns(ways, rounds).items():
-            seconds, (tolerance, error) = statistics.median(one[2] for one in results), settings[case]
+            errors = ((tolerance, abs(run(tolerance)[0] / expected[0] - 1.0)) for tolerance in tolerances)
+            settings[case] = next(pair for pair in errors if pair[1] <= MAX_ERROR)
+        calls = {case: partial(run, settings[case][0]) for case, (run, _) in runs.items()}
+        for case, results in in_turns(calls, rounds).items():
+            seconds, (tolerance, error) = statistics.median(result[2] for result in results), settings[case]
             rows += [(case, "tolerance", tolerance, ""), (case, "error", error, "")]
             rows += [(case, "time", 1e3 * seconds, "ms"), (case, "right-hand sides", results[0][1], "")]
     return rows
@@ -155,27 +195,37 @@ def seconds_of_r1(module, python, folder):
 # --- FMUs ---
 
 
-def shell(ours, workshop):
-    """Cost of an empty step and two reads of the Python FMU and of the least that pythonfmu makes, in turns."""
+def shell(python_fmu, workshop):
+    """Measure a step and two reads of the Python FMU and of a trivial pythonfmu FMU, alternately.
+
+    Args:
+        python_fmu: Python FMU of the module.
+        workshop: Folder to write into.
+    """
     trivial = FmuBuilder.build_FMU(HERE / "trivial_slave.py", dest=workshop)
     cases = {
-        "InertiaModulePy": (native.unpacked(ours), {}, native.OUTPUTS),
+        "InertiaModulePy": (native.unpacked(python_fmu), {}, native.OUTPUTS),
         "trivial pythonfmu FMU": (native.unpacked(trivial), {}, ("y", "z")),
     }
     return native.through_fmpy(cases, "time of a step and two reads")
 
 
 def instantiation(path):
-    """Time to unpack, instantiate and initialise in a new process with nothing of ours there but the FMU."""
+    """Measure the time to unpack, instantiate and initialise an FMU in a new process.
+
+    Args:
+        path: Path of the FMU.
+    """
     times = []
     for _ in range(REPEATS):
         code = START.format(path=str(path))
-        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-        times.append(float(done.stdout.split()[-1]))
+        process = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        times.append(float(process.stdout.split()[-1]))
     return path.stem, "time", statistics.median(times), "s"
 
 
 def main():
+    """Build the FMUs, measure all parts, and update the table."""
     with tempfile.TemporaryDirectory() as folder:
         workshop = Path(folder)
         build(workshop)
@@ -190,7 +240,7 @@ def main():
     parts["averaged, driven by torque"] = averaged.figures_by_torque()
     python_version = float(f"{sys.version_info.major}.{sys.version_info.minor}")
     parts["machine"] = [("all", "cores", os.cpu_count(), ""), ("all", "Python", python_version, "")]
-    keep_parts(parts)
+    update_table(parts)
     print(TABLE)
 
 

@@ -1,19 +1,19 @@
-"""The trade of speed for accuracy, written into docs/verification/tradeoff_*.csv and a plot.
-
-`inertia-module tradeoff SCENE` measures a scene alike.
-"""
+"""Measure accuracy and run time of all levels and peers; write their tables and a diagram."""
 
 from benchmarks.figures import DOCS
 from benchmarks.peers import PEERS
 from benchmarks.trade_off import R1, R1_ELASTIC, converged, measure
 from inertia_module.common.examples import example
-from inertia_module.fidelity.trials import failure_lines, trial_rows, work_precision, write_rows
+from inertia_module.fidelity.measure import trial_rows
+from inertia_module.fidelity.rows import failure_lines, write_rows
 from inertia_module.fmi.results import write_figure
 from inertia_module.fmi.simulate import progress_bar
+from inertia_module.plots.fidelity import work_precision
 from inertia_module.scene import load_scene
 
 
 def main():
+    """Measure R1, R1 with an elastic shaft and the urban scene, and write the tables and the diagram."""
     with progress_bar("scene R1 and the peers") as progress:
         rigid = measure(R1, converged(R1), peers=PEERS, progress=progress)
     with progress_bar("scene R1 with an elastic output") as progress:

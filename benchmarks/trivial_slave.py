@@ -1,9 +1,11 @@
-"""The least a pythonfmu FMU can be: what the shell of ours is measured against."""
+"""Trivial pythonfmu FMU, the baseline for the cost of the Python FMU."""
 
 from pythonfmu import Fmi2Causality, Fmi2Slave, Real
 
 
 class TrivialSlave(Fmi2Slave):
+    """Slave with one input and two outputs that computes nothing."""
+
     def __init__(self, **kwargs):
         super().__init__(**kwargs)
         self.u = 0.0
@@ -14,4 +16,5 @@ class TrivialSlave(Fmi2Slave):
         self.register_variable(Real("z", causality=Fmi2Causality.output))
 
     def do_step(self, current_time, step_size):
+        """Return True without a computation."""
         return True

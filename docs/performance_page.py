@@ -3,7 +3,8 @@
 import csv
 from pathlib import Path
 
-from inertia_module.fidelity.trials import PEER, read_rows, recommend
+from inertia_module.fidelity.choice import recommend
+from inertia_module.fidelity.rows import PEER, read_rows
 from inertia_module.scene import load_scene
 
 HERE = Path(__file__).parent / "verification"

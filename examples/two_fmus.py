@@ -21,11 +21,17 @@ MODULE = {"output_inertia": 0.02, "fidelity": "rigid"}
 SHAFT = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
 SPEED = 100.0  # rad/s
 LOAD = 10.0  # N.m
-ONE_PIECE = 3.908460340, 16.766411224  # rad/s, hub and driven mass
+MONOLITHIC = 3.908460340, 16.766411224  # speeds of hub and driven mass, rad/s
 
 
 def advance(module, shaft, step):
-    """Advance both by a communication step, s, side by side, with the mean torque of the last step."""
+    """Advance both in parallel by a communication step, with the mean torque of the last step.
+
+    Args:
+        module: FMU of the module.
+        shaft: FMU of the driven shaft.
+        step: Communication step, s.
+    """
     speed, torque = module["omega_out"], shaft["shaft_torque_mean"]
     module.set(load_torque=torque)
     shaft.set(hub_speed=speed)
@@ -34,7 +40,13 @@ def advance(module, shaft, step):
 
 
 def advance_with_derivatives(module, shaft, step):
-    """Advance both by a communication step, s: the module first, torque and speed with their derivatives."""
+    """Advance the module, then the shaft, by a communication step, with derivatives of torque and speed.
+
+    Args:
+        module: FMU of the module.
+        shaft: FMU of the driven shaft.
+        step: Communication step, s.
+    """
     speed = module["omega_out"]
     module.set(load_torque=shaft["shaft_torque"])
     module.set_rates(load_torque=shaft.rates("shaft_torque")[0])
@@ -45,7 +57,14 @@ def advance_with_derivatives(module, shaft, step):
 
 
 def simulate(advance, step, stop=1.0, folder=BUILD):
-    """Speeds of hub and driven mass after stop seconds, rad/s, both advanced by `advance`."""
+    """Return the final speeds of hub and driven mass, rad/s.
+
+    Args:
+        advance: Function that advances both FMUs by a step.
+        step: Communication step, s.
+        stop: Duration, s.
+        folder: Folder with the FMUs.
+    """
     with (
         Fmu(folder / "InertiaModule.fmu", MODULE, {"omega1": SPEED}, tolerance=1e-9) as module,
         Fmu(folder / "DrivenShaft.fmu", SHAFT, {"load_torque": LOAD}) as shaft,
@@ -61,4 +80,4 @@ if __name__ == "__main__":
     for step in (1e-3, 1e-4, 1e-5):
         speeds = *simulate(advance, step), *simulate(advance_with_derivatives, step)
         print("{:<10g} {:12.6f} {:12.6f}  {:12.6f} {:12.6f}".format(step, *speeds))
-    print("monolithic {:12.6f} {:12.6f}".format(*ONE_PIECE))
+    print("monolithic {:12.6f} {:12.6f}".format(*MONOLITHIC))

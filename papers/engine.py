@@ -1,12 +1,13 @@
-"""The engine under the papers: quantities by formulas, equations and claims under their verdicts.
+"""Evaluation of the papers: quantities by formula, verdicts on equations and claims.
 
-A paper is a table of rows, each a quantity by its formula as printed and exact (PAPER_forms.toml), and a
-table of claims (PAPER_claims.toml). An equation is judged alone, fed with exact values of all it takes, and
-is right if rounding is all that is left. A claim is taken apart into what it says: it holds if all of it
-does. Its words stand in the Markdown beside the code (PAPER.md), which names its figures.
+- PAPER_forms.toml contains the quantities of a paper, each with its printed and its exact formula.
+- PAPER_claims.toml contains its claims. PAPER.md contains their text, with the names of the computed values.
+- An equation is tested alone, with exact values of all its inputs. It is right if the difference is
+  round-off.
+- A claim consists of statements. It holds if all statements are true.
 
-Formulas are written in the symbols of the paper and take and give numbers, arrays over n times or angles,
-shape (n,), and vectors with their components first, shape (3, n).
+Formulas use the symbols of the paper. Arguments and results are numbers, arrays over n times or angles, shape
+(n,), and vectors with the components first, shape (3, n).
 """
 
 from __future__ import annotations
@@ -20,25 +21,27 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-# of a complex time, s
+# imaginary step of complex times, s
 STEP = 1e-30
+# maximum difference of a right equation
 ROUNDING = 1e-12
 HOLDS, PARTLY, FAILS = "holds", "holds partly", "does not hold"
-# what every formula may use
+# names that every formula can use
 NAMES = {**vars(np), "replace": replace}
-# takes what it needs from the Forms it is called with
+# function of the Forms that contain its inputs
 Formula = Callable[["Forms"], Any]
 Formulas = dict[str, Formula]
 
 
 class Row(NamedTuple):
-    """A quantity of a paper.
+    """Quantity of a paper.
 
     Attributes:
-        number: of the equations that give it; none of what stands in between.
-        name: of the quantity; of more than one, parts of what the formula gives.
-        printed: its formula on the page. exact: its exact formula, if that is another.
-        drawn: components with their units, where both are drawn.
+        number: Numbers of its equations; "" for an intermediate quantity.
+        name: Name of the quantity; several names for the parts of a result.
+        printed: Printed formula.
+        exact: Exact formula if it differs.
+        drawn: Components with units if both forms are drawn.
     """
 
     number: str
@@ -49,17 +52,18 @@ class Row(NamedTuple):
 
 
 class Forms(dict[str, Any]):
-    """Results of a table of formulas, by name or as attributes, worked out when they are first asked for.
+    """Results of formulas by name or as attributes, each evaluated at its first use.
 
-    A printed formula called with the exact forms is fed with exact values of all it takes: so it is judged
-    alone. Forms of the printed table feed each formula with the printed results before it.
+    A printed formula that is called with the exact forms uses exact values of its inputs, so it is tested
+    alone. Forms of the printed formulas use printed results as inputs.
 
     Args:
-        formulas: by name. known: inputs by name; they also stand in place of formulas.
+        formulas: Formulas by name.
+        values: Inputs by name; they override formulas of the same name.
     """
 
-    def __init__(self, formulas: Formulas, **known: Any) -> None:
-        super().__init__(known)
+    def __init__(self, formulas: Formulas, **values: Any) -> None:
+        super().__init__(values)
         self.formulas = formulas
 
     def __missing__(self, name: str) -> Any:
@@ -71,34 +75,47 @@ class Forms(dict[str, Any]):
             raise AttributeError(name)
         return self[name]
 
-    def replaced(self, **known: Any) -> Forms:
-        """Copy with other values of some; what has been worked out stays."""
-        return Forms(self.formulas, **self | known)
+    def replaced(self, **values: Any) -> Forms:
+        """Return a copy with other values; evaluated results stay.
+
+        Args:
+            values: New values by name.
+        """
+        return Forms(self.formulas, **self | values)
 
 
-def words(name: str) -> str:
-    """A text beside the code."""
+def read_file(name: str) -> str:
+    """Return the text of a file in this folder.
+
+    Args:
+        name: Name of the file.
+    """
     return Path(__file__).with_name(name).read_text(encoding="utf-8")
 
 
 def tables(paper: str, functions: dict[str, Any]) -> tuple[list[Row], Formulas, Formulas]:
-    """Read the rows of a paper, and compile its formulas as printed and the exact ones, by quantity.
+    """Read the rows of a paper and compile its formulas.
 
-    They use functions, by name, besides those of numpy.
+    Args:
+        paper: Name of the paper.
+        functions: Functions that the formulas use in addition to numpy, by name.
+
+    Returns:
+        Rows, printed formulas and exact formulas by name.
     """
-    used = NAMES | functions
+    scope = NAMES | functions
 
     def formula(text: str) -> Formula:
         code = compile(text, text, "eval")
-        return lambda forms: eval(code, used, forms)
+        return lambda forms: eval(code, scope, forms)
 
-    rows = [Row(*row) for row in tomllib.loads(words(f"{paper}_forms.toml"))["rows"]]
+    rows = [Row(*row) for row in tomllib.loads(read_file(f"{paper}_forms.toml"))["rows"]]
     printed: Formulas = {}
     exact: Formulas = {}
     for row in rows:
         names = row.name.split(", ")
         for n, name in enumerate(names):
-            # in brackets it may go over lines
+            # parentheses allow line breaks
             part = "({})" if len(names) == 1 else f"({{}})[{n}]"
             printed[name] = formula(part.format(row.printed))
             exact[name] = formula(part.format(row.exact or row.printed))
@@ -106,53 +123,75 @@ def tables(paper: str, functions: dict[str, Any]) -> tuple[list[Row], Formulas, 
 
 
 def in_time(t: Any) -> Any:
-    """Times, s, as complex numbers, as of which quantities carry their rates: see rate."""
+    """Return times with the imaginary step, so that results contain their rates (see rate).
+
+    Args:
+        t: Times, s.
+    """
     return np.asarray(t) + STEP * 1j
 
 
 def rate(quantity: Any) -> Any:
-    """Time derivative, right to rounding, of what was worked out as of in_time.
+    """Return the time derivative of a quantity at times of in_time, exact to round-off.
 
-    By a complex step: f(t + i h) = f(t) + i h f'(t) but for terms of h squared, which round to nothing.
+    Complex step: f(t + i h) = f(t) + i h f'(t) except for terms of order h², which vanish in round-off.
+    Source: Squire, Trapp, SIAM Review 40 (1998).
+
+    Args:
+        quantity: Complex values.
     """
     return quantity.imag / STEP
 
 
 def vector(*components: Any) -> Any:
-    """Stack numbers and arrays of shape (n,): shape (3, n)."""
+    """Stack components into a vector, shape (3, n).
+
+    Args:
+        components: Numbers or arrays, shape (n,).
+    """
     return np.stack(np.broadcast_arrays(*components))
 
 
-def largest(values: Any) -> float:
-    """Largest magnitude of numbers."""
+def max_abs(values: Any) -> float:
+    """Return the maximum magnitude.
+
+    Args:
+        values: Numbers, any shape.
+    """
     return float(np.abs(values).max())
 
 
-def worst(printed: Any, exact: Any, scale: float | None = None) -> float:
-    """Largest length of the difference over the times, relative to the largest length of the exact.
+def max_difference(printed: Any, exact: Any, scale: float | None = None) -> float:
+    """Return the maximum length of the difference relative to the maximum length of the exact values.
 
     Args:
-        printed, exact: a number, shape (n,), or vectors, components first.
-        scale: in place of the largest exact length, where that is 0.
+        printed: Printed values: number, shape (n,), or vectors, shape (3, n).
+        exact: Exact values of the same shape.
+        scale: Length to divide by if all exact values are 0.
     """
 
-    def longest(values: Any) -> float:
-        return largest(np.linalg.norm(values, axis=0) if np.ndim(values) > 1 else values)
+    def max_length(values: Any) -> float:
+        return max_abs(np.linalg.norm(values, axis=0) if np.ndim(values) > 1 else values)
 
-    return longest(np.subtract(printed, exact)) / (scale or longest(exact))
+    return max_length(np.subtract(printed, exact)) / (scale or max_length(exact))
 
 
-def rounds_to(found: float, printed: str) -> bool:
-    """Compare a figure found with a printed one, to the digits behind the point that are printed."""
-    return f"{found:.{len(printed.partition('.')[2])}f}" == printed
+def rounds_to(value: float, printed: str) -> bool:
+    """Return True if a value rounds to a printed number.
+
+    Args:
+        value: Computed value.
+        printed: Printed number, whose decimals determine the rounding.
+    """
+    return f"{value:.{len(printed.partition('.')[2])}f}" == printed
 
 
 class Equation(NamedTuple):
-    """An equation of a paper under its verdict.
+    """Equation of a paper with its verdict.
 
     Attributes:
-        name: of the quantity in the tables of formulas.
-        forms: its printed and exact form over a period, as arguments of worst.
+        name: Name of the quantity in the tables of formulas.
+        forms: Function that returns the printed and exact values, as arguments of max_difference.
     """
 
     name: str
@@ -160,40 +199,46 @@ class Equation(NamedTuple):
 
     @property
     def difference(self) -> float:
-        """Difference of the two forms: see worst."""
-        return worst(*self.forms())
+        """Return the difference of both forms (see max_difference)."""
+        return max_difference(*self.forms())
 
     def __str__(self) -> str:
-        """Verdict, with the name in the code and the difference, in Markdown."""
+        """Return the verdict, the name in the code and the difference, in Markdown."""
         difference = self.difference
         wrong = f"**wrong**, difference {difference:.2g}"
         return f"{'**right**' if difference < ROUNDING else wrong} (`{self.name}`)"
 
 
 def compared(name: str, printed: Formulas, exact: Forms) -> Equation:
-    """Compare the printed formula of a quantity, fed with the exact forms, with these."""
+    """Return the equation of a quantity: its printed formula with exact inputs, and its exact formula.
+
+    Args:
+        name: Name of the quantity.
+        printed: Printed formulas.
+        exact: Exact forms.
+    """
     return Equation(name, lambda: (printed[name](exact), exact[name]))
 
 
-class Found:
+class Values:
     """Values of a claim, formatted for the page as a list separated by commas.
 
     A format that ends in % prints fractions in percent. Values without a format are differences; the page
     prints "round-off" for small ones, because round-off depends on the machine.
 
     Args:
-        value: number, text, or several of them.
+        value: Number, text, or a sequence of these.
     """
 
     def __init__(self, value: Any) -> None:
         self.value = value
 
-    def __getitem__(self, place: Any) -> Found:
-        return Found(self.value[place])
+    def __getitem__(self, place: Any) -> Values:
+        return Values(self.value[place])
 
     def __format__(self, form: str) -> str:
         if form.endswith("%"):
-            return f"{Found(np.multiply(100.0, self.value)):{form[:-1]}f} %"
+            return f"{Values(np.multiply(100.0, self.value)):{form[:-1]}f} %"
         texts = []
         for value in np.ravel(np.array(self.value, dtype=object)):
             difference = not form and isinstance(value, float)
@@ -202,31 +247,42 @@ class Found:
         return ", ".join(texts)
 
 
-def verdict(says: Any) -> str:
-    """Judge a claim by whether each thing it says is so."""
-    so = np.ravel(says)
-    return HOLDS if so.all() else PARTLY if so.any() else FAILS
+def verdict(statements: Any) -> str:
+    """Return the verdict on a claim.
+
+    Args:
+        statements: Truth of each statement of the claim.
+    """
+    truths = np.ravel(statements)
+    return HOLDS if truths.all() else PARTLY if truths.any() else FAILS
 
 
-def claims_of(paper: str, module: ModuleType) -> dict[str, dict[str, Found]]:
-    """Work out the table of a paper's claims, which stands beside the code.
+def claims_of(paper: str, module: ModuleType) -> dict[str, dict[str, Values]]:
+    """Evaluate the claims of a paper.
 
-    Formulas use what its module has, what is known to all claims and the figures before them.
+    Formulas use names of this module and of the module of the paper, the common values of all claims, and
+    values before them in the same claim.
+
+    Args:
+        paper: Name of the paper.
+        module: Module of the paper.
 
     Returns:
-        Of each claim the figures by name, with its verdict; its words name them.
+        Values of each claim by name, with its verdict.
     """
-    known = NAMES | globals() | vars(module)
+    names = NAMES | globals() | vars(module)
 
-    def worked_out(formulas: dict[str, str]) -> dict[str, Any]:
-        scope = dict(known)
+    def evaluate(formulas: dict[str, str]) -> dict[str, Any]:
+        scope = dict(names)
         for name, formula in formulas.items():
             scope[name] = eval(compile(f"({formula})", formula, "eval"), scope)
         return {name: scope[name] for name in formulas}
 
-    table = tomllib.loads(words(f"{paper}_claims.toml"))
-    known |= worked_out(table.pop("known"))
-    figures = {name: worked_out(formulas) for name, formulas in table.items()}
-    for found in figures.values():
-        found["verdict"] = verdict(found["says"])
-    return {name: {figure: Found(found[figure]) for figure in found} for name, found in figures.items()}
+    table = tomllib.loads(read_file(f"{paper}_claims.toml"))
+    names |= evaluate(table.pop("common"))
+    claims = {name: evaluate(formulas) for name, formulas in table.items()}
+    for values in claims.values():
+        values["verdict"] = verdict(values["statements"])
+    return {
+        claim: {name: Values(value) for name, value in values.items()} for claim, values in claims.items()
+    }

@@ -1,8 +1,8 @@
-"""Figures of the papers: curves in panels, mechanisms to scale, and the numbers in them.
+"""Figures of the papers: curves in panels, mechanisms to scale, and the data of the curves.
 
-Each equation that is wrong as printed stands beside its exact form. Karetin's figures are drawn for the scene
-R1 with 40 teeth on wheel 17: then s = 2 is whole and one turn of the drive is one period of the motion in
-link 1, as the paper has it.
+Each figure of a wrong equation shows the printed and the exact form. Karetin's figures use scene R1 with 40
+teeth on wheel 17. Then s = 2, and one turn of the pinion shaft is one period of the motion in link 1, as in
+the paper.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 from inertia_module.common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 
 from . import karetin, lysenko, stelmashchuk
-from .engine import Row, words
+from .engine import Row, read_file
 from .karetin import DYNAMIC, GENERAL, MOVING, PAPER, STOP, Geometry, exact, period
 from .lysenko import EXAMPLE as M
 from .lysenko import EXAMPLE_SPEED as W
@@ -32,23 +32,23 @@ BROKEN, DOTTED, CHAIN = (0, (4, 2)), (0, (1, 1)), (0, (8, 3, 2, 3))
 SMALL: dict[str, Any] = {"fontsize": 8, "frameon": False}
 CENTRED: dict[str, Any] = {"fontsize": 11, "ha": "center", "va": "center"}
 COLOURS = (BLUE, GREEN, ORANGE, VERMILION, PURPLE, SKY)
-# of curves with these labels; others take the colours in turn
-LOOKS: Mapping[str, Mapping[str, Any]] = {
+# line styles by label; other curves use COLOURS in order
+STYLES: Mapping[str, Mapping[str, Any]] = {
     "exact": {"color": BLUE, "linewidth": 2.0},
     "as printed": {"color": VERMILION, "linewidth": 1.3, "linestyle": BROKEN},
     "mirrored": {"color": BLACK, "linewidth": 1.0, "linestyle": BROKEN},
     "sine": {"color": BLACK, "linewidth": 1.0, "linestyle": BROKEN, "zorder": 3},
 }
 TURNS = np.linspace(0.0, 1.0, 1441)
-# between the instants at which D is on an axis or the page divides by zero
+# turns between the instants at which D is on an axis or the page divides by zero
 BETWEEN = (np.arange(5760) + 0.5) / 5760
 MODES = (("stop mode", STOP), ("dynamic mode, i = 2", DYNAMIC))
 SHIFTS = np.linspace(0.0, 0.5 * np.pi, 25)
-# the dwell of Stelmashchuk's figures is not given
+# Stelmashchuk does not state the dwell of his figures
 KAPPA = np.linspace(0.0, 3.5, 1401)
 STIFFNESSES = {f"ν = {nu:g}": Criteria(nu, 0.5) for nu in stelmashchuk.STIFFNESSES}
 DAMPINGS = {f"Π = {Pi:g}": Criteria(8.0, Pi) for Pi in (0.0, 0.5, 1.0, 2.0, 3.0, 5.0)}
-# Lysenko's mechanism and the speed of wheel 1 on the carrier
+# parameters of Lysenko's mechanism, and the speed of wheel 1 on the carrier
 WHEELS = (
     f"R, r, l = {1e3 * M.R0:g}, {1e3 * M.r:g}, {1e3 * M.arm:g} mm, b = {M.b:.3g}, m = {M.m:g} kg, "
     f"J of carrier and wheel {M.J_carrier:g} and {M.J_wheel:g} kg·m², ω = {W:g} rad/s."
@@ -56,7 +56,12 @@ WHEELS = (
 
 
 def mechanism(g: Geometry, offsets: bool = True) -> str:
-    """Parameters of Karetin's mechanism and motions, with or without the offsets of the imbalance."""
+    """Return the text of the parameters of Karetin's mechanism and motions.
+
+    Args:
+        g: Mechanism.
+        offsets: True to include the offsets of the imbalance.
+    """
     teeth = f"z2, z16, z17, z6 = {g.z2}, {g.z16}, {g.z17}, {g.z6}"
     lengths = f"OrΠ = {1e3 * g.wheel_radius:g} mm, Σ = {math.degrees(g.shaft_angle):g}°"
     places = f"a, b, c = {g.a:g}, {g.b:g}, {g.c:g}"
@@ -66,31 +71,57 @@ def mechanism(g: Geometry, offsets: bool = True) -> str:
 
 # --- curves ---
 
-CURVES = tomllib.loads(words("figures.toml"))
+CURVES = tomllib.loads(read_file("figures.toml"))
 
 
 class Panel(NamedTuple):
-    """Panel of a figure: ordinate with its unit, curves (n,) over the abscissa by label, title above it."""
+    """Panel of a figure.
+
+    Attributes:
+        ordinate: Label of the ordinate with its unit.
+        curves: Values, shape (n,), by label.
+        title: Title above the panel.
+    """
 
     ordinate: str
     curves: Mapping[str, Any]
     title: str = ""
 
 
-def two_forms(ordinate: str, right: Any, page: Any, title: str = "") -> Panel:
-    """A panel of a quantity as it is and as the page has it."""
-    return Panel(ordinate, {"exact": right, "as printed": page}, title)
+def two_forms(ordinate: str, exact: Any, printed: Any, title: str = "") -> Panel:
+    """Return a panel with the exact and the printed values of a quantity.
+
+    Args:
+        ordinate: Label of the ordinate with its unit.
+        exact: Exact values, shape (n,).
+        printed: Printed values, shape (n,).
+        title: Title of the panel.
+    """
+    return Panel(ordinate, {"exact": exact, "as printed": printed}, title)
 
 
 def sheet(width: float, height: float, caption: str) -> Figure:
-    """Return an empty figure of this size, inches; its label, the caption, is the description in files."""
+    """Return an empty figure with a caption below.
+
+    Args:
+        width: Width, inches.
+        height: Height, inches.
+        caption: Text of the caption.
+    """
     figure = Figure(figsize=(width, height), dpi=150, layout="constrained")
     figure.set_label(caption)
     return figure
 
 
 def dress(axes: Axes, abscissa: str, ordinate: str, title: str = "") -> None:
-    """Labels, title at the left, light grid, no box."""
+    """Set labels, a title at the left and a light grid, and remove the box.
+
+    Args:
+        axes: Axes to change.
+        abscissa: Label of the abscissa.
+        ordinate: Label of the ordinate.
+        title: Title.
+    """
     axes.set_xlabel(abscissa)
     axes.set_ylabel(ordinate)
     axes.set_title(title, loc="left", fontsize=10)
@@ -99,30 +130,45 @@ def dress(axes: Axes, abscissa: str, ordinate: str, title: str = "") -> None:
 
 
 def draw(axes: Axes, panel: Panel, x: Any, abscissa: str = "") -> None:
-    """Draw the curves of a panel over x, shape (n,)."""
+    """Draw the curves of a panel.
+
+    Args:
+        axes: Axes to draw on.
+        panel: The panel.
+        x: Values of the abscissa, shape (n,).
+        abscissa: Label of the abscissa.
+    """
     axes.set_prop_cycle(color=COLOURS)
     for label, values in panel.curves.items():
-        axes.plot(x, values, label=label, **{"linewidth": 1.4, **LOOKS.get(label, {})})
+        axes.plot(x, values, label=label, **{"linewidth": 1.4, **STYLES.get(label, {})})
     dress(axes, abscissa, panel.ordinate, panel.title)
     axes.margins(x=0.0)
     axes.axhline(0.0, color=BLACK, linewidth=0.6)
 
 
 def panels(rows: Sequence[Sequence[Panel]], x: Any, abscissa: str, caption: str, **shared: Any) -> Figure:
-    """Draw rows of panels over one abscissa, x of shape (n,); shared: as sharey of subplots."""
+    """Draw rows of panels over one abscissa.
+
+    Args:
+        rows: Panels by row.
+        x: Values of the abscissa, shape (n,).
+        abscissa: Label of the abscissa.
+        caption: Text of the caption.
+        shared: Arguments of subplots, such as sharey.
+    """
     figure = sheet(max(5.8, 3.1 * len(rows[0])), 0.7 + 2.2 * len(rows), caption)
     grid = figure.subplots(len(rows), len(rows[0]), sharex=True, squeeze=False, **shared)
     for row, cells in zip(grid, rows, strict=True):
         for axes, panel in zip(row, cells, strict=True):
             draw(axes, panel, x, abscissa if row[0] is grid[-1, 0] else "")
-    # one legend will do where all panels show the same
+    # one legend if all panels show the same curves
     alike = len({tuple(panel.curves) for row in rows for panel in row}) == 1
     for axes in grid.flat[:1] if alike else grid.flat:
         axes.legend(**SMALL)
     return figure
 
 
-# of the equations of a paper: abscissa and the part of it that is shown, its label, mechanism and motion
+# figures of equations by paper: module, abscissa, visible part, label, text of the parameters
 SHEETS: dict[str, tuple[ModuleType, Any, slice, str, str]] = {
     "karetin": (
         karetin,
@@ -149,27 +195,50 @@ SHEETS: dict[str, tuple[ModuleType, Any, slice, str, str]] = {
 
 
 def equation(name: str, row: Row) -> Figure:
-    """A panel for each component of an equation: exact, and as printed but fed with exact values."""
-    paper, x, shown, label, case = SHEETS[name]
-    page, right, _ = np.broadcast_arrays(*paper.EQUATIONS[row.number].forms()[:2], x)
-    forms = zip(row.drawn.split(", "), np.atleast_2d(right), np.atleast_2d(page), strict=False)
-    cells = [two_forms(component, one[shown], other[shown]) for component, one, other in forms]
-    return panels([cells], x[shown], label, f"Equation {row.number}, exact and as printed. {case}")
+    """Draw a panel for each component of an equation: exact, and as printed with exact inputs.
+
+    Args:
+        name: Name of the paper.
+        row: Row of the equation.
+    """
+    paper, x, visible, label, case = SHEETS[name]
+    printed_values, exact_values, _ = np.broadcast_arrays(*paper.EQUATIONS[row.number].forms()[:2], x)
+    components = row.drawn.split(", ")
+    forms = zip(components, np.atleast_2d(exact_values), np.atleast_2d(printed_values), strict=False)
+    cells = [two_forms(component, right[visible], page[visible]) for component, right, page in forms]
+    return panels([cells], x[visible], label, f"Equation {row.number}, exact and as printed. {case}")
 
 
 def in_period(motion: Any, turns: Any = TURNS, geometry: Any = PAPER) -> Any:
-    """Karetin's exact forms over a period."""
+    """Return Karetin's exact forms over a period.
+
+    Args:
+        motion: Speeds.
+        turns: Times over the period, shape (n,).
+        geometry: Mechanism.
+    """
     return exact(geometry, motion, turns * period(geometry, motion))
 
 
 def components(symbol: str, vector: Any) -> dict[str, Any]:
-    """Curves of the components and the modulus of a vector, shape (3, n)."""
+    """Return the curves of the components and of the modulus of a vector, by label.
+
+    Args:
+        symbol: Symbol of the vector.
+        vector: Values, shape (3, n).
+    """
     parts = {f"${symbol}_{axis}$": part for axis, part in zip("xyz", vector, strict=True)}
     return parts | {f"$|{symbol}|$": karetin.modulus(vector)}
 
 
 def moduli(name: str, motion: Any, scale: float = 1.0) -> tuple[Any, Any]:
-    """Moduli of velocity or acceleration over a period, exact and as the page computes them."""
+    """Return the exact and the printed modulus of velocity or acceleration over a period.
+
+    Args:
+        name: "velocity" or "acceleration", with or without "_in_link1".
+        motion: Speeds.
+        scale: Factor to the displayed unit.
+    """
     k = in_period(motion, BETWEEN)
     velocity = "velocity" if motion.carrier else "velocity_in_link1"
     page = karetin.printed(PAPER, motion, k.t, velocity)
@@ -181,15 +250,26 @@ def moduli(name: str, motion: Any, scale: float = 1.0) -> tuple[Any, Any]:
 
 
 def angles(motion: Any) -> dict[str, Any]:
-    """Curves of the angles of D about Oz, Ox, Oy and of that of link 1, degrees."""
+    """Return the curves of the angles of D about Oz, Ox, Oy and of the angle of link 1, degrees, by label.
+
+    Args:
+        motion: Speeds.
+    """
     k = in_period(motion, BETWEEN)
     beta, about = np.degrees(np.unwrap(k.angles)), zip("HPF", "zxy", strict=True)
-    shown = {f"$β_{index}$, about $O{axis}$": beta[n] for n, (index, axis) in enumerate(about)}
-    return shown | {"$-ω_1t$": -np.degrees(motion.carrier * k.t)}
+    lines = {f"$β_{index}$, about $O{axis}$": beta[n] for n, (index, axis) in enumerate(about)}
+    return lines | {"$-ω_1t$": -np.degrees(motion.carrier * k.t)}
 
 
-def beside_its_mirror(title: str, motion: Any, epsilon: float, gamma: float) -> Panel:
-    """A panel of |V| with offsets and its mirror image."""
+def mirrored_speed(title: str, motion: Any, epsilon: float, gamma: float) -> Panel:
+    """Return a panel of |V| with offsets of the imbalance, and of its mirror image.
+
+    Args:
+        title: Name of the motion.
+        motion: Speeds.
+        epsilon: Offset about QA, rad.
+        gamma: Offset about OQ, rad.
+    """
     geometry = replace(PAPER, epsilon=epsilon, gamma=gamma)
     span = period(geometry, motion)
 
@@ -203,29 +283,42 @@ def beside_its_mirror(title: str, motion: Any, epsilon: float, gamma: float) -> 
 
 
 def asymmetries(name: str, motion: Any) -> Any:
-    """Asymmetry of a modulus over SHIFTS, percent of its range."""
+    """Return the asymmetry of a modulus over SHIFTS, percent of its range.
+
+    Args:
+        name: Name of the modulus.
+        motion: Speeds.
+    """
     half = [
         100.0 * karetin.asymmetry(name, replace(PAPER, gamma=gamma), motion) for gamma in SHIFTS[:13].tolist()
     ]
-    # even, and repeated every pi/s: the drive has turned on by that when B has by pi
+    # even function with period pi/s, the rotation of the pinion shaft while B turns by pi
     return np.array([*half, *half[-2::-1]])
 
 
 def with_and_without_balancer(cases: Mapping[str, Criteria]) -> list[list[Panel]]:
-    """Panels of a'' of the driven mass, one over the other."""
+    """Return panels of a'' of the driven mass with and without the balancer, one above the other.
+
+    Args:
+        cases: Criteria by label.
+    """
     rows = []
     for title, beta in (("with the balancer", 1.0), ("without the balancer", 0.0)):
         sine = {"sine": law_of_motion(KAPPA, KAPPA2)[2]}
-        found = {name: response(KAPPA, case, KAPPA2, beta).acceleration for name, case in cases.items()}
-        rows.append([Panel("a″ [1]", sine | found, title)])
+        motions = {name: response(KAPPA, case, KAPPA2, beta).acceleration for name, case in cases.items()}
+        rows.append([Panel("a″ [1]", sine | motions, title)])
     return rows
 
 
 def curves(name: str) -> Figure:
-    """Draw a figure of CURVES."""
+    """Draw a figure of CURVES.
+
+    Args:
+        name: Name of the figure.
+    """
     row, scope = CURVES[name], globals().copy()
-    for known, formula in row.get("known", {}).items():
-        scope[known] = eval(formula, scope)
+    for variable, formula in row.get("names", {}).items():
+        scope[variable] = eval(formula, scope)
     captions = {
         "paper": mechanism(PAPER),
         "without_offsets": mechanism(PAPER, offsets=False),
@@ -250,19 +343,26 @@ def curves(name: str) -> Figure:
 
 # --- mechanisms to scale ---
 
-SKETCHES = tomllib.loads(words("sketches.toml"))
+SKETCHES = tomllib.loads(read_file("sketches.toml"))
 
-# a, b and c differ from 1, so that no two points are one
+# a, b and c differ from 1, so that no points coincide
 LAYOUT = replace(GENERAL, epsilon=0.0, gamma=0.0)
-# where the dynamic mode is drawn: share of a turn of the drive
+# instant of the drawn dynamic mode, turns of the pinion shaft
 INSTANT = 0.08
-# Lysenko's mechanism is drawn at this angle, rad
-SHOWN = np.radians(130.0)
-AT, TURN = lysenko.exact(M, SHOWN, W), np.exp(1j * M.b * SHOWN)
+# angle of the drawn mechanism of Lysenko, rad
+DRAWN_ANGLE = np.radians(130.0)
+AT, TURN = lysenko.exact(M, DRAWN_ANGLE, W), np.exp(1j * M.b * DRAWN_ANGLE)
 
 
 class Sketch:
-    """A drawing in the plane of complex numbers, mm, of the two coordinates named, in a view of axis()."""
+    """Drawing in the plane of two coordinates; positions are complex numbers, mm.
+
+    Args:
+        axes: Axes to draw on.
+        plane: Names of the two coordinates, such as "xz".
+        view: View limits as in axes.axis(), mm.
+        title: Title.
+    """
 
     def __init__(self, axes: Axes, plane: str, view: Any, title: str = "") -> None:
         self.axes, self.plane = axes, plane
@@ -270,26 +370,57 @@ class Sketch:
         axes.axis(view)
         dress(axes, f"${plane[0]}$ [mm]", f"${plane[1]}$ [mm]", title)
 
-    def seen(self, place: Any) -> Any:
-        """Places in the plane, mm, of places in x, y, z, m, shape (3,) or (3, n)."""
-        one, other = (place["xyz".index(axis)] for axis in self.plane)
-        return 1e3 * (one + 1j * other)
+    def projected(self, place: Any) -> Any:
+        """Project positions onto the plane, mm.
+
+        Args:
+            place: Positions x, y, z, m, shape (3,) or (3, n).
+        """
+        right, up = (place["xyz".index(axis)] for axis in self.plane)
+        return 1e3 * (right + 1j * up)
 
     def line(self, *places: complex, colour: str = BLACK, **look: Any) -> None:
-        """A line through places."""
+        """Draw a line.
+
+        Args:
+            places: Points of the line, mm.
+            colour: Colour.
+            look: Arguments of axes.plot.
+        """
         self.axes.plot(np.real(places), np.imag(places), color=colour, **{"linewidth": 1.3, **look})
 
     def write(self, place: complex, text: str, colour: str = BLACK) -> None:
-        """A text about a place."""
+        """Write a centred text.
+
+        Args:
+            place: Position, mm.
+            text: Text.
+            colour: Colour.
+        """
         self.axes.text(place.real, place.imag, text, color=colour, **CENTRED)
 
-    def point(self, place: complex, name: str, aside: complex, colour: str = BLACK) -> None:
-        """A point, its name aside."""
+    def point(self, place: complex, name: str, offset: complex, colour: str = BLACK) -> None:
+        """Draw a point with its name.
+
+        Args:
+            place: Position, mm.
+            name: Name.
+            offset: Position of the name relative to the point, mm.
+            colour: Colour.
+        """
         self.line(place, colour=colour, marker="o", markersize=4, zorder=4)
-        self.write(place + aside, name, colour)
+        self.write(place + offset, name, colour)
 
     def arrow(self, start: complex, along: complex, colour: str, name: str = "", line: Any = "-") -> None:
-        """An arrow, its name beyond the tip."""
+        """Draw an arrow with its name beyond the tip.
+
+        Args:
+            start: Start, mm.
+            along: Vector from start to end, mm.
+            colour: Colour.
+            name: Name.
+            line: Line style.
+        """
         end = start + along
         look = {"color": colour, "linestyle": line, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0}
         tip, tail = (end.real, end.imag), (start.real, start.imag)
@@ -297,35 +428,57 @@ class Sketch:
         self.write(end + 7.0 * along / abs(along), name, colour)
 
     def arc(self, corner: complex, start: complex, angle: float, radius: float, name: str) -> None:
-        """An angle, rad, about a corner from a direction, its name in the middle."""
+        """Draw an angle with its name in the middle.
+
+        Args:
+            corner: Vertex, mm.
+            start: Direction of the first side.
+            angle: Angle, rad.
+            radius: Radius of the arc, mm.
+            name: Name.
+        """
         turned = start / abs(start) * np.exp(1j * np.linspace(0.0, angle, 41))
         self.line(*(corner + radius * turned))
         self.write(corner + (radius + 7.0) * turned[20], name)
 
     def lever(
-        self, of: complex, through: complex, along: complex, colour: str, name: str, aside: complex
+        self, of: complex, through: complex, along: complex, colour: str, name: str, offset: complex
     ) -> None:
-        """The perpendicular from a point on the line through a place, its name aside of its middle."""
+        """Draw the perpendicular from a point to a line, with its name.
+
+        Args:
+            of: The point, mm.
+            through: A point of the line, mm.
+            along: Direction of the line, length 1.
+            colour: Colour.
+            name: Name.
+            offset: Position of the name relative to the middle, mm.
+        """
         foot = through + ((of - through) * np.conj(along)).real * along
         self.line(through, foot, colour=colour, linestyle=BROKEN)
         self.line(of, foot, colour=colour, linestyle=DOTTED)
-        self.write(0.5 * (of + foot) + aside, name, colour)
+        self.write(0.5 * (of + foot) + offset, name, colour)
 
-    def parts(self, *names: str, **known: Any) -> None:
-        """Draw parts of SKETCHES, each with what is known and the places of those before it."""
-        scope = globals() | {"seen": self.seen, "plane": self.plane} | known
+    def parts(self, *names: str, **values: Any) -> None:
+        """Draw parts of SKETCHES; each part can use the names of the parts before it.
+
+        Args:
+            names: Names of the parts.
+            values: Values that the formulas of the parts use, by name.
+        """
+        scope = globals() | {"projected": self.projected, "plane": self.plane} | values
         for part in map(SKETCHES.__getitem__, names):
-            for name, formula in part.get("known", {}).items():
+            for name, formula in part.get("names", {}).items():
                 scope[name] = eval(formula, scope)
             for kind, arguments, *condition in part["rows"]:
-                if all(eval(one, scope) for one in condition):
-                    eval(f"draw_it({arguments})", scope | {"draw_it": getattr(self, kind)})
+                if all(eval(text, scope) for text in condition):
+                    eval(f"method({arguments})", scope | {"method": getattr(self, kind)})
 
 
 def figure_1() -> Figure:
-    """Karetin's figure 1: the layout in section at the time 0, both modes seen against the central axis."""
-    g, shown = LAYOUT, f"b, c: one revolution of the pinion shaft, drawn after {INSTANT:g} revolutions"
-    figure = sheet(12.0, 4.2, f"All exact. {shown}; P is the projection of D on yOz. {mechanism(g)}")
+    """Draw Karetin's figure 1: section of the layout at time 0, and both modes along the central axis."""
+    g, instant = LAYOUT, f"b, c: one revolution of the pinion shaft, drawn after {INSTANT:g} revolutions"
+    figure = sheet(12.0, 4.2, f"All exact. {instant}; P is the projection of D on yOz. {mechanism(g)}")
     layout = f"a) layout: AD, QA, OQ = {1e3 * g.AD:.1f}, {1e3 * g.QA:.1f}, {1e3 * g.OQ:.1f} mm"
     views = (
         (layout, "xz", "section", STOP, 0.0),
@@ -339,7 +492,10 @@ def figure_1() -> Figure:
 
 
 def pitch_cones(g: Geometry) -> tuple[Any, Any, Any]:
-    """Apex and rims at the time 0.
+    """Return apex and rims of the pitch cones at time 0.
+
+    Args:
+        g: Mechanism.
 
     Returns:
         Q, m, shape (3,); rims of wheel 17 and of the satellite, m, shape (3, 121) each.
@@ -357,7 +513,7 @@ def pitch_cones(g: Geometry) -> tuple[Any, Any, Any]:
 
 
 def trajectories() -> Figure:
-    """Karetin's figure 2: trajectory of D in the stop and in the dynamic mode, with the pitch cones."""
+    """Draw Karetin's figure 2: trajectory of D in the stop and in the dynamic mode, with the pitch cones."""
     caption = f"Trajectory of D over a period and position at the start, exact. {mechanism(PAPER)}"
     figure = sheet(10.4, 5.2, caption)
     apex, *rims = pitch_cones(PAPER)
@@ -390,7 +546,7 @@ def trajectories() -> Figure:
 
 
 def arms() -> Figure:
-    """Karetin's (26) to (31): projections of V on the planes at one instant, arms and speeds over a turn."""
+    """Draw Karetin's (26) to (31): projections of V at one instant, arms and speeds over a turn."""
     turn, at = slice(0, len(MOVING.t) // int(GENERAL.turns_in_period), 5), 112
     turns = MOVING.t[turn] * MOVING.omega16 / (2.0 * np.pi)
     caption = "Projections of V and their arms about O, exact; (26) to (30) are right as printed, in (31) the"
@@ -402,7 +558,7 @@ def arms() -> Figure:
     for n, (axes, (plane, point, foot)) in enumerate(zip(grid, names, strict=True)):
         drawn = Sketch(axes[0], plane[::2], (-200, 200, -200, 200), plane)
         vectors = MOVING.position, 4e-3 * MOVING.velocity, MOVING.feet[n]
-        path, V, foot_of_O = (drawn.seen(v)[turn] for v in vectors)
+        path, V, foot_of_O = (drawn.projected(v)[turn] for v in vectors)
         mass, end = path[at], foot_of_O[at]
         drawn.axes.plot(path.real, path.imag, label=f"${point}$", **look)
         drawn.axes.axline((mass.real, mass.imag), (end.real, end.imag), linestyle=BROKEN, **look)
@@ -421,15 +577,15 @@ def arms() -> Figure:
 
 
 def epicycloid() -> Figure:
-    """The figure of Lysenko, to scale: wheels 1 and 2, carrier 3, epicycloid 4, distance and angles."""
+    """Draw the figure of Lysenko to scale: wheels 1 and 2, carrier 3, epicycloid 4, distance and angles."""
     figure = sheet(5.6, 6.0, f"Wheel 1 rolls around the fixed wheel 2 (exact), drawn at α = 130°. {WHEELS}")
     Sketch(figure.subplots(), "XY", (-105, 105, -105, 105)).parts("wheels", "links")
     return figure
 
 
 def speeds_and_forces() -> Figure:
-    """Lysenko's angles and speeds, (6) to (8) and (13), and his forces and arms, at one angle."""
-    page = lysenko.printed(M, SHOWN, W)
+    """Draw Lysenko's angles and speeds, (6) to (8) and (13), and his forces and arms, at one angle."""
+    page = lysenko.printed(M, DRAWN_ANGLE, W)
     printed_arms = f"with the printed arms k1 = {1e3 * page.k1:.1f} and k2 = {1e3 * page.k2:.1f} mm"
     caption = f"exact (Fk is in line with F1, so k1 = 0); grey: Fk as printed, {printed_arms}"
     figure = sheet(9.4, 5.0, f"At α = 130°, {caption}. {WHEELS}")
@@ -464,7 +620,11 @@ FIGURES: dict[str, Callable[[], Figure]] = {
 
 
 def numbers(figure: Figure) -> dict[str, Any]:
-    """The numbers of the curves with a label by column, each of one shape (n,)."""
+    """Return the data of the labelled curves of a figure by column name, each of shape (n,).
+
+    Args:
+        figure: The figure.
+    """
     columns: dict[str, Any] = {}
     for axes in figure.axes:
         names = [axes.get_xlabel() or figure.axes[-1].get_xlabel(), axes.get_ylabel()]

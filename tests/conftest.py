@@ -10,17 +10,17 @@ settings.register_profile("same", max_examples=40, deadline=None, derandomize=Tr
 settings.register_profile("few", settings.get_profile("same"), max_examples=8)
 settings.register_profile("search", max_examples=400, deadline=None)
 settings.load_profile("same")
-# what takes long, by name of the test or of one case of it: left to `make test-long`
+# slow tests and cases of tests, by name: only `make test-long` runs them
 LONG = frozenset(Path(__file__).with_name("long.txt").read_text(encoding="utf-8").splitlines())
 # whole files: other hosts, valgrind, sanitizers, Wine and QEMU, every page of the site
 LONG_FILES = ("tests/native/", "tests/system/test_hosts.py", "tests/system/test_site.py")
-# tests/planted_changes.py asks for that: nothing is translated
+# tests/planted_changes.py sets this option: no translation
 ONLY_PLAIN = os.environ.get("INERTIA_MODULE_KERNEL") == "plain"
 
 
 @pytest.fixture(scope="session")
 def compiled():
-    """The fast kernel, for what would take the plain one too long."""
+    """Return the compiled kernel, for tests that are too slow with the plain kernel."""
     if ONLY_PLAIN:
         return "plain"
     if importlib.util.find_spec("ziglang") is None:
@@ -47,7 +47,7 @@ def fmu(built):
 
 @pytest.fixture(scope="session")
 def built_for_all(tmp_path_factory):
-    """Folder with all FMUs for every platform: a test that asks for it is slow."""
+    """Return a folder with all FMUs for every platform; tests that use it are slow."""
     from inertia_module.fmu.builder import build
 
     folder = tmp_path_factory.mktemp("build_for_all")
@@ -56,7 +56,7 @@ def built_for_all(tmp_path_factory):
 
 
 def pytest_collection_modifyitems(items):
-    """Mark what is long as slow."""
+    """Mark long tests as slow."""
     for item in items:
         is_long = {getattr(item, "originalname", item.name), item.name} & LONG
         if is_long or "built_for_all" in item.fixturenames or item.nodeid.startswith(LONG_FILES):

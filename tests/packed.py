@@ -12,7 +12,7 @@ def files_of(path):
 
 
 def with_content(path, content):
-    """The file, packed anew with this content."""
+    """Write the archive with this content."""
     path.write_bytes(archive(content))
     return path
 

@@ -23,9 +23,9 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "fmu_src" / "inertia_module"
 TIME_LIMIT = 400  # s a change: an endless run is noticed too
 QUIETLY = {"capture_output": True, "text": True}
-# beside this file: tests by the kernel's file that is changed; groups of them
+# tests by changed file of the kernel, and groups of tests
 TESTS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-# file of the kernel, and a place in it that is there once: {what stands there|what is planted}
+# file of the kernel, and a unique place in it: {original text|planted text}
 CHANGES = Path(__file__).with_suffix(".txt").read_text(encoding="utf-8").splitlines()
 
 
@@ -88,9 +88,9 @@ def main():
         for before in pool.map(lambda tests: noticed_by("", tests), {tuple(tests) for tests in chosen}):
             if before != "survived":
                 sys.exit(f"without a change fails {before}")
-        for change, found in zip(changes, pool.map(noticed_by, changes, chosen), strict=True):
-            print(f"{change:<70} {found}", flush=True)
-            survivors += found == "survived"
+        for change, result in zip(changes, pool.map(noticed_by, changes, chosen), strict=True):
+            print(f"{change:<70} {result}", flush=True)
+            survivors += result == "survived"
     print(f"{len(changes) - survivors} of {len(changes)} noticed")
 
 

@@ -1,6 +1,6 @@
-"""Makes ahead what every worker of pytest would else wait for: kernels, FMUs and what the page computes with.
+"""Build kernels, FMUs and the kernel of the page, so that the workers of pytest do not wait for them.
 
-Run: python -m tests.ready; `make test` does, beside the page.
+Run: python -m tests.ready; `make test` runs it in parallel with the build of the page.
 """
 
 import tempfile

@@ -29,7 +29,13 @@ app = typer.Typer(
 
 
 def print_table(title: str, headings: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
-    """Print rows below their headings; of numbers that are not whole three digits."""
+    """Print a table; floats have three significant digits.
+
+    Args:
+        title: Title of the table.
+        headings: Headings of the columns.
+        rows: Cells by row.
+    """
     table = Table(*headings, title=title, box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
     for row in rows:
         table.add_row(*(f"{value:.3g}" if isinstance(value, float) else str(value) for value in row))
@@ -64,20 +70,20 @@ def stability(
         return _random_machines(random, seed, workers, folder)
     from .stability import verdicts
 
-    chosen = verdicts.chosen_cases(only, quick)
+    cases = verdicts.chosen_cases(only, quick)
     with progress_bar("running extreme cases") as progress:
-        results = verdicts.run_study(chosen, progress)
+        results = verdicts.run_study(cases, progress)
     rows = verdicts.rows_of(results)
     counts = [(axis, *cells) for axis, *cells in verdicts.counts(rows)]
     total = Counter(verdict.outcome for verdict in results)
-    shown: list[Shown] = [
+    parts: list[Shown] = [
         partial(print_table, "", ("axis", "cases", *verdicts.VERDICTS, "maximum error"), counts),
         *verdicts.reasons(rows),
         ", ".join(f"{total[name]} {name}" for name in verdicts.VERDICTS),
     ]
     files = {"verdicts": verdicts.write_rows(folder / "stability.csv", rows)}
     data = {"verdicts": [verdict.as_record() for verdict in results]}
-    return Answer(data, shown, files, total[verdicts.BROKEN] > 0)
+    return Answer(data, parts, files, total[verdicts.BROKEN] > 0)
 
 
 def _random_machines(count: int, seed: int, workers: int | None, folder: Path) -> Answer:
@@ -96,13 +102,13 @@ def _random_machines(count: int, seed: int, workers: int | None, folder: Path) -
         rows = machines.examine_machines(count, seed, workers, progress)
     headings = "fidelity level", "cases", *VERDICTS, "judged", "median error", "maximum error"
     others = [row for row in rows if row.verdict != EXACT]
-    shown: list[Shown] = [
+    parts: list[Shown] = [
         partial(print_table, "", headings, machines.counts(rows)),
         *(f"number {row.number} ({row.level}): {row.verdict}: {row.reason}" for row in others),
     ]
     files = {"machines": machines.write_rows(folder / "random.csv", rows)}
     has_failed = any(row.verdict in (DEGRADED, BROKEN) for row in rows)
-    return Answer({"machines": [row._asdict() for row in rows]}, shown, files, has_failed)
+    return Answer({"machines": [row._asdict() for row in rows]}, parts, files, has_failed)
 
 
 @app.command()
@@ -111,14 +117,14 @@ def references() -> Answer:
     """Recompute the reference results of the FMUs in the package."""
     from .reference.experiments import files, package_folder
 
-    written = list[Path]()
+    paths = list[Path]()
     with progress_bar("integrating the references") as progress:
         for number, model in enumerate(MODELS.values(), 1):
             for name, content in files(model).items():
-                written.append(package_folder(model) / name)
-                write_atomically(written[-1], content)
+                paths.append(package_folder(model) / name)
+                write_atomically(paths[-1], content)
             progress(number / len(MODELS))
-    return Answer({"files": list(map(str, written))}, [f"wrote {path}" for path in written])
+    return Answer({"files": list(map(str, paths))}, [f"wrote {path}" for path in paths])
 
 
 @app.command()
@@ -130,9 +136,9 @@ def compatibility(output: OutputFolder = None) -> Answer:
     """
     from .compatibility import write_tree
 
-    written, found = write_tree(writable_folder(output or OUTPUT_FOLDER / "compatibility"), aside)
-    shown = [*(f"wrote {path}" for path in written), *found, f"{len(found) or 'no'} problems found"]
-    return Answer({"files": list(map(str, written)), "problems": found}, shown, failed=bool(found))
+    paths, problems = write_tree(writable_folder(output or OUTPUT_FOLDER / "compatibility"), aside)
+    parts = [*(f"wrote {path}" for path in paths), *problems, f"{len(problems) or 'no'} problems found"]
+    return Answer({"files": list(map(str, paths)), "problems": problems}, parts, failed=bool(problems))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-"""Compatibility information for importers: the FMUs, each with inputs and a reference.
+"""Compatibility information for importers: the FMUs with inputs and reference results.
 
-The tree is that of the FMI cross-check: fmus/FMI version/cs/platform/tool/version/model.
+The folders follow the FMI cross-check: fmus/FMI version/cs/platform/tool/version/model.
 """
 
 from __future__ import annotations
@@ -23,35 +23,44 @@ OPTIONS = f"StartTime, 0.0\nStopTime, {STOP}\nStepSize, {STEP}\nRelTol, {ASKED}\
 
 
 def write_tree(folder: Path, progress: Progress) -> tuple[list[Path], list[str]]:
-    """Write the tree into a folder: each FMU with the first experiment of its model, at start values.
+    """Write each FMU with the first experiment of its model, which uses start values.
+
+    Args:
+        folder: Output folder.
+        progress: Function called with messages of the build.
 
     Returns:
-        Its files, and problems that FMPy finds in it.
+        Paths of the files, and problems that FMPy reports.
 
     Raises:
-        CompilationError, RuntimeError: an FMU cannot be built for all platforms.
+        CompilationError: The compiler is not available.
+        RuntimeError: An FMU cannot be built for all platforms.
     """
-    written, problems = list[Path](), list[str]()
+    paths, problems = list[Path](), list[str]()
     for fmu in FMUS:
         build = Build(progress)
         content = content_of(fmu, build)
         if build.skipped:
-            raise RuntimeError("; ".join(f"{what}: {reason}" for what, reason in build.skipped.items()))
+            raise RuntimeError(
+                "; ".join(f"{platform}: {reason}" for platform, reason in build.skipped.items())
+            )
         name, fmi = fmu.identifier, getattr(fmu, "fmi", 2)
-        one = experiments(fmu.model)[0]
+        experiment = experiments(fmu.model)[0]
         carried = package_folder(fmu.model) / CARRIED
         files = {
             f"{name}.fmu": content,
             **{
-                f"{name}_{kind}.csv": (carried / f"{one.name}_{kind}.csv").read_bytes()
+                f"{name}_{kind}.csv": (carried / f"{experiment.name}_{kind}.csv").read_bytes()
                 for kind in ("in", "ref")
             },
             f"{name}_ref.opt": OPTIONS.encode(),
-            "readme.txt": filled(README, {"name": name, "fmi": fmi, "fmu": fmu, "one": one}).encode(),
+            "readme.txt": filled(
+                README, {"name": name, "fmi": fmi, "fmu": fmu, "experiment": experiment}
+            ).encode(),
         }
         place = folder / "fmus" / f"{fmi}.0" / "cs" / "linux64" / "inertia-module" / __version__ / name
         for file, text in files.items():
             write_atomically(place / file, text)
-            written.append(place / file)
+            paths.append(place / file)
         problems += validate_test_fmu(str(place))
-    return written, problems
+    return paths, problems

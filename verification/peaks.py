@@ -1,6 +1,6 @@
 """Error of satellite_force_peak in long communication steps.
 
-The reference is the largest satellite_force in communication steps of 25 microseconds.
+The reference is the maximum satellite_force in communication steps of 25 μs.
 Run: python -m verification.peaks
 """
 
@@ -38,7 +38,14 @@ Values = dict[str, float | str]
 
 
 def run(values: Values, step: float, name: str, tolerance: float) -> Array:
-    """Return an output after each communication step, shape (steps,)."""
+    """Run the module and return an output after each communication step, shape (steps,).
+
+    Args:
+        values: Parameters and inputs.
+        step: Communication step, s.
+        name: Name of the output.
+        tolerance: Relative tolerance.
+    """
     module, rows = Module().start(**values, tolerance=tolerance), []
     for _ in range(round(STOP_TIME / step)):
         module.advance(step)
@@ -47,31 +54,31 @@ def run(values: Values, step: float, name: str, tolerance: float) -> Array:
 
 
 def deviation(values: Values, step: float, tolerance: float, force: Array) -> float:
-    """Return the largest relative deviation of a peak below the largest force of its step.
+    """Return the maximum relative deviation of a peak below the maximum force in its step.
 
     Args:
-        values: parameters and inputs.
-        step: communication step, s.
-        tolerance: of the solver.
+        values: Parameters and inputs.
+        step: Communication step, s.
+        tolerance: Relative tolerance.
         force: satellite_force in steps of FINE_STEP, N, shape (fine steps,).
     """
-    largest = force.reshape(round(STOP_TIME / step), -1).max(axis=1)
-    return float((1.0 - run(values, step, "satellite_force_peak", tolerance) / largest).max())
+    max_force = force.reshape(round(STOP_TIME / step), -1).max(axis=1)
+    return float((1.0 - run(values, step, "satellite_force_peak", tolerance) / max_force).max())
 
 
 def main() -> None:
-    """Print a table of the largest deviations over both layouts."""
+    """Print a table of the maximum deviations over both layouts."""
     print(f"| machine | tolerance | {' | '.join(f'{1e3 * step:g} ms' for step in STEPS)} |")
     print(f"|---|---|{'---|' * len(STEPS)}")
-    for variant, added in VARIANTS.items():
-        cases = [layout | added for layout in LAYOUTS]
+    for variant, changes in VARIANTS.items():
+        cases = [layout | changes for layout in LAYOUTS]
         forces = [run(values, FINE_STEP, "satellite_force", FINE_TOLERANCE) for values in cases]
         for tolerance in TOLERANCES:
             pairs = list(zip(cases, forces, strict=True))
-            largest = [
+            deviations = [
                 max(deviation(case, step, tolerance, force) for case, force in pairs) for step in STEPS
             ]
-            cells = " | ".join(f"{max(100.0 * one, 0.0):.1f} %" for one in largest)
+            cells = " | ".join(f"{max(100.0 * value, 0.0):.1f} %" for value in deviations)
             print(f"| {variant} | {tolerance:g} | {cells} |", flush=True)
 
 

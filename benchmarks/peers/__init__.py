@@ -1,7 +1,7 @@
-"""Other ways to integrate the module, measured beside it: one curve each in the plots.
+"""Other integrators (peers) of the equations of the module, one curve each in the diagrams.
 
-What would be unfair to them is avoided: their right-hand sides are compiled, compilation is not
-counted, nor is sampling, and each has the settings that were found to serve it best.
+For a fair comparison their right-hand sides are compiled, run times exclude compilation and sampling, and
+each integrator has its best settings.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from functools import partial
 from ..trade_off import Peer
 from . import integrators, mujoco_model
 
-# name, method, tolerances, stiffnesses of the clutches, N.m.s/rad (none: by events)
+# name, method, tolerances, stiffnesses of the viscous clutches, N·m·s/rad (none: event location)
 _INTEGRATORS: tuple[tuple[str, str, tuple[float, ...], tuple[float, ...]], ...] = (
     ("SciPy LSODA", "odeint", (1e-5, 1e-6, 1e-7, 3e-8, 1e-8, 1e-9), (1e2, 1e3, 1e4, 1e5, 1e6)),
     ("SciPy LSODA", "odeint", (3e-8, 1e-8, 5e-9, 1e-9), (3e6,)),

@@ -1,11 +1,13 @@
-"""The module as a constrained multibody model in MuJoCo, an independent engine, stepped forwards.
+"""The module as a constrained multibody model in MuJoCo, an independent engine.
 
-Each joint is a hinge of its own: link 1, link 2, the drives on link 1 and the satellites on them, where the
-reference's geometry has them at drive angle 0. Gears are equality constraints: each drive's turn is tied to
-links 1 and 2 by a fixed tendon, each satellite's to its drive's by a joint constraint. A freewheel is the
-limit of a tendon (or joint) that is always active, without stiffness and with damping 1 / timestep: MuJoCo
-then keeps the relative speed after the step from falling below zero by a torque that only pushes. That is
-the complementarity condition on velocities, at each step. The input speed is held by a flywheel on link 1.
+- Bodies: link 1, link 2, the pinion shafts on link 1 and the satellites on them, each on a hinge. The
+  geometry of the reference places them at angle 0 of the pinion shafts.
+- Gears are equality constraints. A fixed tendon ties the angle of each pinion shaft to links 1 and 2. A joint
+  constraint ties the angle of each satellite to its pinion shaft.
+- A freewheel is a tendon limit that is always active, without stiffness and with damping 1 / timestep. MuJoCo
+  then applies a torque in one direction that keeps the relative speed after the step from falling below zero.
+  This is the complementarity condition on velocities, at each step.
+- A flywheel on link 1 keeps the input speed constant.
 
 Source: MuJoCo, "Computation": constraint model, reference acceleration and impedance.
 """
@@ -18,22 +20,23 @@ from collections.abc import Iterable, Iterator, Mapping
 import numpy as np
 
 from inertia_module.common.extras import library
-from inertia_module.fidelity.trials import median_time
+from inertia_module.fidelity.timing import median_time
 from verification.reference import geometry
 from verification.reference.geometry import EX, EZ, Array, Parameters, ratio, satellite_ratio
 
 from ..trade_off import Case, Trajectory
 from .integrators import Problem
 
-NEGLIGIBLE = 1e-13  # kg, kg m^2: the engine wants every moving body to have mass and inertia
-# MuJoCo allows no more: a constraint is softer than rigid by the part that is missing
+# minimum mass and inertia of a body, which MuJoCo requires; kg, kg·m²
+NEGLIGIBLE = 1e-13
+# maximum impedance that MuJoCo allows; a rigid constraint would have 1
 IMPEDANCE = 0.9999
-# inverse inertia the softness is taken from, 1/(kg m^2). MuJoCo takes that of the first position, where
-# a satellite's mass at its rolling pole makes it infinite (bevel layout, a = b): the model falls apart
+# inverse inertia that scales the softness of constraints, 1/(kg·m²). The default of MuJoCo is its value at
+# the first position. It is infinite if the mass of a satellite is at its rolling pole (bevel layout, a = b).
 INVERSE_INERTIA = 0.01
-# kg m^2 on drives and satellites: at the same place the mass matrix would be singular
+# added inertia of pinion shafts and satellites, kg·m²: otherwise the mass matrix is singular at this position
 ARMATURE = 1e-9
-# inertia of the flywheel on link 1 in units of those of the shafts
+# inertia of the flywheel on link 1 over the sum of the shaft inertias
 FLYWHEEL = 1e7
 ORIGIN, UPRIGHT = np.zeros(3), np.eye(3)
 
@@ -51,7 +54,17 @@ def _body(
     place: Array = ORIGIN,
     turned: Array = UPRIGHT,
 ) -> str:
-    """A body, with a hinge of its name where an axis in its frame is given; kg, kg m^2, m."""
+    """Return a body as MJCF text.
+
+    Args:
+        name: Name of the body and of its hinge.
+        children: Bodies on this body, MJCF.
+        axis: Axis of the hinge in the frame of the body, shape (3,); None without a hinge.
+        inertia: Principal inertias, kg·m².
+        mass: Mass, kg.
+        place: Position in the parent frame, m, shape (3,).
+        turned: Orientation in the parent frame, rotation matrix, shape (3, 3).
+    """
     frame = f'pos="{_numbers(place)}" xyaxes="{_numbers([*turned[:, 0], *turned[:, 1]])}"'
     hinge = f'<joint name="{name}" type="hinge" axis="{_numbers(axis)}"/>' if axis is not None else ""
     own = _numbers(max(value, NEGLIGIBLE) for value in inertia)
@@ -60,7 +73,14 @@ def _body(
 
 
 def _module(p: Parameters, module: int) -> str:
-    """Drives and satellites of a module. In the planar layout a drive is its satellite, on link 1."""
+    """Return the pinion shafts and satellites of a module as MJCF text.
+
+    In the planar layout a satellite is its own pinion shaft.
+
+    Args:
+        p: All parameters of the module, by name.
+        module: Number of the module.
+    """
     shares = p["modules"] * (p["satellites"] if p["layout"] else 1.0)
     own, across = p["drive_inertia"] / shares, p["satellite_transverse_inertia"]
     satellites, start = "", np.zeros(1)
@@ -78,20 +98,23 @@ def _module(p: Parameters, module: int) -> str:
     frame = geometry.turn(0, 2.0 * np.pi * module / p["modules"])
     if p["layout"]:
         return _body(f"module {module}", satellites, turned=frame)
-    # half of J16 across its axis is J1's
+    # J1 contains half of J16 about the transverse axes
     return _body(f"drive {module}", satellites, EZ, [0.5 * own, 0.5 * own, own], turned=frame)
 
 
 def mechanism(
     p: Parameters, options: str = "", more: str = "", output_shaft: bool = False, flywheel: float = 0.0
 ) -> str:
-    """The MuJoCo model (MJCF) of the mechanism, p being all parameters of the module by name.
+    """Return the MuJoCo model of the mechanism, MJCF.
 
     Args:
-        options: attributes of <option>. more: elements beside the worldbody.
-        flywheel: inertia on link 1 beyond J1, kg m^2.
+        p: All parameters of the module, by name.
+        options: Attributes of <option>.
+        more: Elements next to the worldbody.
+        output_shaft: True to include the output shaft.
+        flywheel: Inertia on link 1 in addition to J1, kg·m².
     """
-    # of the input inertia J1 the drives of the bevel layout already bring half of J16
+    # the pinion shafts of the bevel layout already contribute half of J16 to J1
     rest = p["input_inertia"] - (0.0 if p["layout"] else 0.5 * p["drive_inertia"]) + flywheel
     modules = "".join(_module(p, n) for n in range(int(p["modules"])))
     shafts = _body("link 1", modules, EX, [rest] * 3) + _body("link 2", "", EX, [p["link2_inertia"]] * 3)
@@ -107,12 +130,20 @@ def mechanism(
 def _model_text(
     case: Case, drives: Iterable[str], satellites: Mapping[str, str], step: float, integrator: str
 ) -> str:
-    """The mechanism with its gears and freewheels; satellites: by name the name of the drive each is on."""
+    """Return the MuJoCo model with gears and freewheels, MJCF.
+
+    Args:
+        case: The case.
+        drives: Names of the pinion shafts.
+        satellites: Name of the pinion shaft of each satellite, by name of the satellite.
+        step: Time step, s.
+        integrator: Name of the MuJoCo integrator.
+    """
     p = case.all_parameters
     k, s = ratio(p), satellite_ratio(p)
-    soft = f'="0 {-1.0 / step!r}"', f'="{IMPEDANCE} {IMPEDANCE} 1"'
-    rigid = f"solref{soft[0]} solimp{soft[1]}"
-    active = f'limited="true" range="1e9 2e9" solreflimit{soft[0]} solimplimit{soft[1]}'
+    softness = f'="0 {-1.0 / step!r}"', f'="{IMPEDANCE} {IMPEDANCE} 1"'
+    rigid = f"solref{softness[0]} solimp{softness[1]}"
+    active = f'limited="true" range="1e9 2e9" solreflimit{softness[0]} solimplimit{softness[1]}'
     slip = '<joint joint="output" coef="1"/><joint joint="link 2" coef="-1"/>'
     tendons = f'<fixed name="output slip" {active if p["output_freewheel"] else ""}>{slip}</fixed>'
     equalities = "" if p["output_freewheel"] else f'<tendon tendon1="output slip" {rigid}/>'
@@ -137,18 +168,22 @@ def simulate(case: Case, timestep: float, integrator: str) -> Trajectory:
     """Run a case in MuJoCo.
 
     Args:
-        case: of the rigid module. timestep: at most, s; a whole number of steps makes a sampling interval.
+        case: Case of the rigid module.
+        timestep: Maximum time step, s. A sampling interval is a whole number of steps.
         integrator: "Euler" or "RK4".
 
     Raises:
-        UnavailableError: the case is not for it. MissingDependencyError: mujoco is not.
-        RuntimeError: MuJoCo gives up and starts anew.
+        UnavailableError: The model does not support the case.
+        MissingDependencyError: mujoco is not installed.
+        RuntimeError: The state in MuJoCo is no longer finite.
     """
     Problem(case)
     engine, p = library("mujoco", "peers"), case.all_parameters
     places = [f"{m} {n}" for m in range(int(p["modules"])) for n in range(int(p["satellites"]))]
     drives = {f"drive {place if p['layout'] else place.split()[0]}": None for place in places}
-    satellites = {} if p["layout"] else {f"satellite {one}": f"drive {one.split()[0]}" for one in places}
+    satellites = (
+        {} if p["layout"] else {f"satellite {place}": f"drive {place.split()[0]}" for place in places}
+    )
     interval = case.stop_time / case.points
     steps = max(1, math.ceil(interval / timestep * (1.0 - 1e-12)))
     text = _model_text(case, drives, satellites, interval / steps, integrator)
@@ -166,7 +201,12 @@ def simulate(case: Case, timestep: float, integrator: str) -> Trajectory:
     }
 
     def samples(points: int, steps: int) -> Iterator[tuple[float, float, float]]:
-        """Go through the case from its beginning in so many steps between points: (q, omega2, omega3)."""
+        """Run the case from its start and yield (q, omega2, omega3) at each point, rad and rad/s.
+
+        Args:
+            points: Number of intervals between points.
+            steps: Number of time steps per interval.
+        """
         engine.mj_resetData(model, data)
         for name, (angle, speed) in motion.items():
             data.joint(name).qpos[0], data.joint(name).qvel[0] = angle, speed
@@ -174,12 +214,12 @@ def simulate(case: Case, timestep: float, integrator: str) -> Trajectory:
         for n in range(points + 1):
             engine.mj_step(model, data, steps if n else 0)
             if any(warning.number for warning in data.warning):
-                raise RuntimeError("MuJoCo gave up: its state was no longer finite")
+                raise RuntimeError("MuJoCo failed: the state is no longer finite")
             q, omega2 = data.joint(next(iter(drives))).qpos[0], data.joint("link 2").qvel[0]
             yield q, omega2, data.joint("output").qvel[0]
 
     warn = engine.get_mju_user_warning()
-    # else MuJoCo writes a log file where the user is
+    # the default function writes a log file into the working directory
     engine.set_mju_user_warning(lambda text: None)
     try:
         return Trajectory(

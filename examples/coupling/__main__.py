@@ -33,16 +33,16 @@ def coupling(output: OutputFolder = None) -> Answer:
     folder = writable_folder(output or OUTPUT_FOLDER / "coupling")
     fmu_path = current_fmu()
     parts: dict[str, Callable[..., Sequence[Any]]] = {MAP: coupling_map, URBAN: urban_runs}
-    told: dict[str, Any] = {}
-    shown: list[Shown] = []
+    data: dict[str, Any] = {}
+    tables: list[Shown] = []
     files: dict[str, Path] = {}
     for name, measure in parts.items():
         with progress_bar(f"measuring: {name}") as progress:
             rows = measure(fmu_path, progress)
-        told[name] = [row._asdict() for row in rows]
-        shown.append(partial(print_table, name, rows[0]._fields, rows))
+        data[name] = [row._asdict() for row in rows]
+        tables.append(partial(print_table, name, rows[0]._fields, rows))
         files |= write_part(folder, name, rows)
-    return Answer({"rows": told}, shown, files)
+    return Answer({"rows": data}, tables, files)
 
 
 if __name__ == "__main__":

@@ -1,11 +1,11 @@
-"""An engine with a rotor of its own, coupled to the FMU of a module by speed and by torque.
+"""Engine with a rotor, coupled to the FMU of a module by speed or by torque.
 
-The engine is a rotor with inertia, limits of torque over speed, and a sampled speed governor:
+The engine is a rotor with inertia, torque limits over speed and a sampled speed governor:
 
     J_E omega' = tau - T        -drag(omega) <= tau <= greatest(omega)
 
-The governor samples the speed, sets tau and holds it until the next sample. So between samples omega is
-linear under a constant load T, and a step of any length is exact, works and impulses included.
+The governor samples the speed, sets tau and keeps it constant until the next sample. With a constant load T
+the speed is linear between samples, so steps of any length are exact, including works and impulses.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from inertia_module.driveline import EngineMap, Governor
 from inertia_module.fmi.instance import Fmu
 from inertia_module.model import Plant
 
-# of a sample time: the end of a step this close to a sample is at the sample
+# a step that ends this close to a sample, relative to the sample time, ends at the sample
 _ROUNDING = 1e-9
 
 
@@ -30,9 +30,14 @@ class EngineState(NamedTuple):
     """State of an engine.
 
     Attributes:
-        speed: rad/s. angle: rad. integral: of the governor, N.m. torque: held until the next sample, N.m.
-        wait: time to the next sample, s. work_in: of the torque of the engine since the start, J.
-        work_out: done on the load, J. impulse_out: of the load, N.m.s.
+        speed: Speed, rad/s.
+        angle: Angle, rad.
+        integral: Integral of the governor, N·m.
+        torque: Torque until the next sample, N·m.
+        wait: Time to the next sample, s.
+        work_in: Work of the engine torque since the start, J.
+        work_out: Work on the load since the start, J.
+        impulse_out: Impulse on the load since the start, N·m·s.
     """
 
     speed: float
@@ -46,15 +51,18 @@ class EngineState(NamedTuple):
 
 
 class Engine:
-    """An engine with governor.
+    """Engine with governor.
 
     Args:
-        inertia: of rotor and all that turns with it, kg.m2. limits: of the torque. governor: of the speed.
-        reference: speed the governor is asked for, rad/s; may be set at any time.
-        speed: at the start, rad/s. torque: held by the governor's integral at the start, N.m.
+        inertia: Inertia of the rotor and all parts that rotate with it, kg·m².
+        limits: Torque limits over speed.
+        governor: Speed governor.
+        reference: Reference speed of the governor, rad/s; can be set at any time.
+        speed: Start speed, rad/s.
+        torque: Start value of the governor's integral, N·m.
 
     Attributes:
-        state: all that changes in a step; may be set to an old one.
+        state: All quantities that change in a step; can be set to an earlier state.
     """
 
     def __init__(
@@ -72,55 +80,55 @@ class Engine:
 
     @property
     def speed(self) -> float:
-        """Speed now, rad/s."""
+        """Return the speed, rad/s."""
         return self.state.speed
 
     @property
     def energy_stored(self) -> float:
-        """Kinetic energy, J."""
+        """Return the kinetic energy, J."""
         return 0.5 * self.inertia * self.state.speed**2
 
     def after(self, step: float, load: float | None, inertia: float = 0.0) -> EngineState:
-        """The state after a step, s, of any length under T = load + inertia omega'; the engine stays.
+        """Return the state after a step under the load T = load + inertia omega'; the engine does not change.
 
         Args:
-            step: s.
-            load: N.m. None: its speed stays as it is and all torque goes on to the load, as with an engine
-                whose rotor is simulated elsewhere: it knows its speed at the beginning of a step only.
-            inertia: that turns with the engine, kg.m2.
+            step: Length of the step, s.
+            load: Load torque, N·m. None: the speed is constant and all torque is transmitted to the load, for
+                an engine whose rotor is simulated elsewhere.
+            inertia: Inertia that rotates with the engine, kg·m².
         """
-        state, left = self.state, step
+        state, remaining = self.state, step
         sample_time = self.governor.sample_time
         while True:
             if state.wait <= _ROUNDING * sample_time:
                 limits = self.limits.limits(state.speed)
                 torque, integral = self.governor.sample(state.integral, self.reference, state.speed, limits)
                 state = state._replace(torque=torque, integral=integral, wait=state.wait + sample_time)
-            # to the next sample the acceleration is constant
-            h = min(state.wait, left)
-            left -= h
+            # the acceleration is constant until the next sample
+            h = min(state.wait, remaining)
+            remaining -= h
             mean, end, on_load = state.speed, state.speed, state.torque
             if load is not None:
                 acceleration = (state.torque - load) / (self.inertia + inertia)
                 mean, end = state.speed + 0.5 * h * acceleration, state.speed + h * acceleration
                 on_load = state.torque - self.inertia * acceleration
-            turned = h * mean
+            rotation = h * mean
             state = state._replace(
                 speed=end,
-                angle=state.angle + turned,
+                angle=state.angle + rotation,
                 wait=state.wait - h,
-                work_in=state.work_in + state.torque * turned,
-                work_out=state.work_out + on_load * turned,
+                work_in=state.work_in + state.torque * rotation,
+                work_out=state.work_out + on_load * rotation,
                 impulse_out=state.impulse_out + h * on_load,
             )
-            if left <= _ROUNDING * min(sample_time, step):
+            if remaining <= _ROUNDING * min(sample_time, step):
                 return state
 
 
 # --- in front of a module ---
 
-# variables of a module driven by torque that the engine goes on with
-_ANSWERS = ("input_speed", "input_angle", "input_turns", "energy_in")
+# outputs of a torque-driven module that the engine uses
+_OUTPUTS = ("input_speed", "input_angle", "input_turns", "energy_in")
 
 
 @dataclass
@@ -128,10 +136,13 @@ class Ledger:
     """Sums over a run.
 
     Attributes:
-        time: s. steps: communication steps. fmu_steps: steps of the FMU, those taken back included.
-        derivatives: directional derivatives asked for.
-        defect: energy lost between both, J: work of the engine less work on the module; each side is exact
-            for what it was given. defect_magnitude: sum of |defect| of the steps, J.
+        time: Simulated time, s.
+        steps: Number of communication steps.
+        fmu_steps: Number of steps of the FMU, including repeated steps.
+        derivatives: Number of directional derivatives.
+        defect: Energy lost at the coupling, J: work of the engine minus work on the module. Each side is
+            exact for its inputs.
+        defect_magnitude: Sum of |defect| over the steps, J.
     """
 
     time: float = 0.0
@@ -143,20 +154,20 @@ class Ledger:
 
     @property
     def cost(self) -> int:
-        """Cost in steps of the FMU; a directional derivative takes two, those of outputs are not counted."""
+        """Return the cost in steps of the FMU; a directional derivative costs two steps."""
         return self.fmu_steps + 2 * self.derivatives
 
 
 class EnginePlant(Plant):
-    """An engine in front of a module: a plant whose omega1 is the speed the governor is asked for.
+    """Engine and module as a plant; its input omega1 is the reference speed of the governor.
 
     Args:
-        fmu: a started FMU of the module with omega1 = speed of the engine.
-        engine: in front of it.
-        substeps: equal communication steps between engine and module in each step of the plant.
+        fmu: Started FMU of the module, whose omega1 is the engine speed.
+        engine: The engine.
+        substeps: Number of communication steps between engine and module in each step of the plant.
 
     Attributes:
-        ledger: sums over the run.
+        ledger: Sums over the run.
     """
 
     def __init__(self, fmu: Fmu, engine: Engine, substeps: int) -> None:
@@ -165,35 +176,55 @@ class EnginePlant(Plant):
 
     @property
     def energy_stored(self) -> float:
-        """Kinetic energy of engine and module together, J."""
+        """Return the kinetic energy of engine and module, J."""
         return self.fmu["energy_stored"]
 
     @abstractmethod
     def _exchange(self, h: float) -> tuple[float, float]:
-        """Advance both by a step, s: work of the engine and on the module, J; neither moves on an error."""
+        """Advance engine and module; after an error both are at the start of the step.
+
+        Args:
+            h: Length of the step, s.
+
+        Returns:
+            Work of the engine and work on the module, J.
+        """
 
     def set(self, **values: float) -> None:
-        """Set inputs of the FMU by name; omega1 is the speed the governor is asked for."""
+        """Set inputs of the FMU; omega1 is the reference speed of the governor.
+
+        Args:
+            values: Values by name.
+        """
         if "omega1" in values:
             self.engine.reference = values.pop("omega1")
         self.fmu.set(**values)
 
     def advance(self, step: float) -> None:
-        """Advance engine and module by a step, s, in substeps; both are before one that the FMU refuses."""
+        """Advance engine and module in substeps; after an error both are at the start of the failed substep.
+
+        Args:
+            step: Length of the step, s.
+        """
         h, ledger = step / self.substeps, self.ledger
         for _ in range(self.substeps):
-            given, got = self._exchange(h)
+            work, module_work = self._exchange(h)
             ledger.time += h
             ledger.steps += 1
-            ledger.defect += given - got
-            ledger.defect_magnitude += abs(given - got)
+            ledger.defect += work - module_work
+            ledger.defect_magnitude += abs(work - module_work)
 
     def read(self, names: Sequence[str]) -> tuple[float, ...]:
-        """Values by name: variables of the FMU, and engine_speed, engine_torque, engine_angle (SI units),
-        engine_work_in, engine_work_out, engine_energy and bond_defect, J.
+        """Return values of the FMU or of the engine.
+
+        Values of the engine are engine_speed, engine_torque, engine_angle, engine_work_in, engine_work_out,
+        engine_energy and bond_defect, in SI units.
+
+        Args:
+            names: Names of the values.
         """
         state = self.engine.state
-        own = {
+        engine_values = {
             "engine_speed": state.speed,
             "engine_torque": state.torque,
             "engine_angle": state.angle,
@@ -202,19 +233,19 @@ class EnginePlant(Plant):
             "engine_energy": self.engine.energy_stored,
             "bond_defect": self.ledger.defect,
         }
-        others = iter(self.fmu.read([name for name in names if name not in own]))
-        return tuple(own[name] if name in own else next(others) for name in names)
+        others = iter(self.fmu.read([name for name in names if name not in engine_values]))
+        return tuple(engine_values[name] if name in engine_values else next(others) for name in names)
 
 
 class Scheme(StrEnum):
     """Coupling scheme: order of the two sides, and correction of the step.
 
-    JACOBI: both step with what was known at the communication point; the module at a held speed.
-    MODULE_FIRST: the engine has the torque of the same step; the module at a held speed.
-    INERTIA: the module first, along the speed extrapolated; the engine takes the interface inertia into
-        account for what its own acceleration changes in the torque.
-    IMPLICIT: the step is tried, taken back and made again along the speed that the module's directional
-        derivative says the engine will have.
+    JACOBI: Both sides use values of the communication point; the module steps at constant speed.
+    MODULE_FIRST: The engine uses the torque of the same step; the module steps at constant speed.
+    INERTIA: The module steps first with an extrapolated speed. The engine accounts for the interface inertia,
+        the change of the torque due to its own acceleration.
+    IMPLICIT: The step is tried, restored and repeated with the engine speed that follows from the module's
+        directional derivative.
     """
 
     JACOBI = "mean jacobi held"
@@ -223,12 +254,19 @@ class Scheme(StrEnum):
     IMPLICIT = "implicit ramp"
 
 
-# by name
+# schemes by name
 SCHEMES = {scheme.value: scheme for scheme in Scheme}
 
 
-class _Answer(NamedTuple):
-    """Mean torque of a step, N.m, energy_in, J, last speed, rad/s, acceleration with its jump, rad/s2."""
+class _ModuleStep(NamedTuple):
+    """Results of a step of the module.
+
+    Attributes:
+        torque: Mean input torque, N·m.
+        energy: energy_in, J.
+        speed: Speed at the end of the step, rad/s.
+        acceleration: Mean acceleration, including a jump of the speed, rad/s².
+    """
 
     torque: float
     energy: float
@@ -236,20 +274,26 @@ class _Answer(NamedTuple):
     acceleration: float
 
     def load(self, inertia: float) -> tuple[float, float]:
-        """Load and inertia on the engine: with its acceleration in place of the module's own."""
+        """Return load, N·m, and inertia, kg·m², on the engine; its acceleration replaces the module's.
+
+        Args:
+            inertia: Interface inertia, kg·m².
+        """
         return self.torque - inertia * self.acceleration, inertia
 
 
 class CoupledEngine(EnginePlant):
-    """An engine with a rotor of its own: its speed goes to the module, the mean torque of a step comes back.
+    """Engine with a rotor: the module receives its speed and returns the mean torque of a step.
 
-    What is left between the speeds of engine and module at a communication point is made up for by a jump at
-    the beginning of the module's next step, whose impulse is in the next step mean.
+    A difference between the speeds of engine and module at a communication point is removed by a jump at the
+    start of the module's next step. The mean torque of this step includes the impulse.
 
     Args:
-        fmu: at its start; drive is speed and input_hold zero_order; a native one for INERTIA and IMPLICIT.
-        engine: as of EnginePlant. substeps: likewise. scheme: of coupling.
-        inertia: interface inertia the engine takes into account (INERTIA), kg.m2; see interface_inertia.
+        fmu: Started FMU with speed drive and zero-order input hold; a native FMU for INERTIA and IMPLICIT.
+        engine: The engine.
+        scheme: Coupling scheme.
+        inertia: Interface inertia for scheme INERTIA, kg·m² (see interface_inertia).
+        substeps: Number of communication steps in each step of the plant.
     """
 
     def __init__(
@@ -257,31 +301,31 @@ class CoupledEngine(EnginePlant):
     ) -> None:
         super().__init__(fmu, engine, substeps)
         self.scheme = scheme
-        # interface inertia: given, or that an implicit step found last
+        # interface inertia: constant, or from the last implicit step
         self._inertia = inertia if scheme == Scheme.INERTIA and inertia else 0.0
-        self._last = _Answer(fmu["input_torque"], fmu["energy_in"], engine.speed, 0.0)
-        self._acceleration = 0.0  # of the engine in its last step, mean
+        self._last = _ModuleStep(fmu["input_torque"], fmu["energy_in"], engine.speed, 0.0)
+        self._acceleration = 0.0  # mean acceleration of the engine in its last step, rad/s²
 
     @property
     def energy_stored(self) -> float:
-        """Kinetic energy of engine and module together, J."""
+        """Return the kinetic energy of engine and module, J."""
         return self.engine.energy_stored + super().energy_stored
 
     def _exchange(self, h: float) -> tuple[float, float]:
         before, last = self.engine.state, self._last
         if self.scheme == Scheme.IMPLICIT:
-            after, answer = self._implicit(h)
+            after, result = self._implicit(h)
         else:
             ramped = self.scheme == Scheme.INERTIA
-            answer = self._move_module(h, self._acceleration if ramped else None)
-            known = last if self.scheme == Scheme.JACOBI else answer
-            after = self.engine.after(h, *known.load(self._inertia))
-        self.engine.state, self._last = after, answer
+            result = self._move_module(h, self._acceleration if ramped else None)
+            load_source = last if self.scheme == Scheme.JACOBI else result
+            after = self.engine.after(h, *load_source.load(self._inertia))
+        self.engine.state, self._last = after, result
         self._acceleration = (after.speed - before.speed) / h
-        return after.work_out - before.work_out, answer.energy - last.energy
+        return after.work_out - before.work_out, result.energy - last.energy
 
-    def _move_module(self, h: float, rate: float | None) -> _Answer:
-        """Step the module from the engine's speed on, which is held or goes on with a rate."""
+    def _move_module(self, h: float, rate: float | None) -> _ModuleStep:
+        """Step the module from the engine speed, which is constant or changes at a rate, rad/s²."""
         self.fmu.set(omega1=self.engine.speed)
         if rate is not None:
             self.fmu.set_rates(omega1=rate)
@@ -289,50 +333,52 @@ class CoupledEngine(EnginePlant):
         self.ledger.fmu_steps += 1
         end = self.engine.speed + (rate or 0.0) * h
         torque, energy = self.fmu.read(("input_torque_mean", "energy_in"))
-        return _Answer(torque, energy, end, (end - self._last.speed) / h)
+        return _ModuleStep(torque, energy, end, (end - self._last.speed) / h)
 
-    def _implicit(self, h: float) -> tuple[EngineState, _Answer]:
-        """Try the step, take it back and make it again."""
-        engine, kept = self.engine, self.fmu.get_state()
+    def _implicit(self, h: float) -> tuple[EngineState, _ModuleStep]:
+        """Try the step, restore the state, and repeat the step with the corrected speed."""
+        engine, saved_state = self.engine, self.fmu.get_state()
         try:
-            first = engine.after(h, *self._last.load(self._inertia)).speed
-            rate = (first - engine.speed) / h
-            tried = answer = self._move_module(h, rate)
+            predicted = engine.after(h, *self._last.load(self._inertia)).speed
+            rate = (predicted - engine.speed) / h
+            trial = result = self._move_module(h, rate)
             (slope,) = self.fmu.jacobian(("input_torque_mean",), ("omega1",))[0]
             self.ledger.derivatives += 1
-            # what a directional derivative may give
-            least = -0.5 * engine.inertia
-            inertia = max(slope * h, least)
-            wanted = engine.after(h, tried.torque - inertia * rate, inertia).speed
-            # else there is no need to make it again
-            if abs(wanted - first) > 1e-11 * abs(wanted):
-                self.fmu.set_state(kept)
-                answer = self._move_module(h, (wanted - engine.speed) / h)
-                # the secant is what the next step is tried with
-                inertia = max((answer.torque - tried.torque) / (wanted - first) * h, least)
+            # lower bound, because a directional derivative can be negative
+            min_inertia = -0.5 * engine.inertia
+            inertia = max(slope * h, min_inertia)
+            speed = engine.after(h, trial.torque - inertia * rate, inertia).speed
+            # repeat only if the speed changes
+            if abs(speed - predicted) > 1e-11 * abs(speed):
+                self.fmu.set_state(saved_state)
+                result = self._move_module(h, (speed - engine.speed) / h)
+                # the next step starts with the secant
+                inertia = max((result.torque - trial.torque) / (speed - predicted) * h, min_inertia)
         except FmuError:
-            self.fmu.set_state(kept)
+            self.fmu.set_state(saved_state)
             raise
         self._inertia = inertia
-        return engine.after(h, answer.torque), answer
+        return engine.after(h, result.torque), result
 
 
 class TorqueDrivenEngine(EnginePlant):
-    """An engine whose torque goes to the module, which carries its rotor and gives the speed back.
+    """Engine whose rotor is part of the module: the module receives its torque and returns the speed.
 
-    In a step longer than a sample time the governor takes the samples that are due with the speed at its
-    beginning, and the module gets the mean of the torques: no energy is lost by that.
+    In a step longer than the sample time, the governor uses the speed at the start of the step for all
+    samples in it, and the module receives the mean torque. No energy is lost.
+
+    engine_work_out is the whole work of the torque, because the rotor belongs to the module. engine_energy,
+    the energy of the rotor, is part of energy_stored of the FMU.
 
     Args:
-        fmu: at its start; the inertia of the engine is in its input_inertia (see torque_driven). Of the
-            readings, engine_work_out is all that the torque has done (the rotor takes none of it), and
-            engine_energy, the rotor's, is a part of energy_stored of the FMU.
-        engine: as of EnginePlant. substeps: likewise.
+        fmu: Started FMU whose input_inertia includes the inertia of the engine (see torque_driven).
+        engine: The engine.
+        substeps: Number of communication steps in each step of the plant.
     """
 
     def __init__(self, fmu: Fmu, engine: Engine, substeps: int = 1) -> None:
         super().__init__(fmu, engine, substeps)
-        self._last = fmu.read(_ANSWERS)
+        self._last = fmu.read(_OUTPUTS)
 
     def _exchange(self, h: float) -> tuple[float, float]:
         before, after = self.engine.state, self.engine.after(h, None)
@@ -340,14 +386,14 @@ class TorqueDrivenEngine(EnginePlant):
         self.fmu.set(drive_torque=torque)
         self.fmu.advance(h)
         self.ledger.fmu_steps += 1
-        speed, angle, turns, energy = answers = self.fmu.read(_ANSWERS)
+        speed, angle, turns, energy = outputs = self.fmu.read(_OUTPUTS)
         _, last_angle, last_turns, last_energy = self._last
-        turned = (angle - last_angle) + 2.0 * math.pi * (turns - last_turns)
-        work = torque * turned
-        self._last = answers
+        rotation = (angle - last_angle) + 2.0 * math.pi * (turns - last_turns)
+        work = torque * rotation
+        self._last = outputs
         self.engine.state = after._replace(
             speed=speed,
-            angle=before.angle + turned,
+            angle=before.angle + rotation,
             work_in=before.work_in + work,
             work_out=before.work_out + work,
         )

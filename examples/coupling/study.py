@@ -1,6 +1,7 @@
-"""Engine coupled to the module: every coupling over step and inertia ratio, and the energies of a cycle.
+"""Comparison of the couplings of an engine and the module.
 
-Each part gives rows, which are written as CSV; the map is drawn too.
+The map contains the errors of every coupling over step and inertia ratio. The second part contains the
+energies of a car in the urban cycle. Both are written as CSV, the map also as a figure.
 """
 
 from __future__ import annotations
@@ -40,37 +41,39 @@ from verification.reference.geometry import Array
 from verification.reference.motion import Reference
 
 MAP, URBAN = "map", "urban"
-# of columns of their tables
+# units of the columns by table
 UNITS = {
     MAP: {"step": "s", "cost": "1/s"},
     URBAN: {"step": "s", "speed_error": "m/s", "cost": "1/s"}
     | dict.fromkeys(("engine", "output", "stored", "lost"), "J"),
 }
-# a launch lasts as long, and speeds are averaged and compared over windows, s
+# duration of a launch, and of the windows over which speeds are compared, s
 STOP_TIME, WINDOW = 1.0, 0.02
-WINDOWS = round(STOP_TIME / WINDOW)
+N_WINDOWS = round(STOP_TIME / WINDOW)
 TOLERANCE = 1e-8
-# the governor closes its loop at this rate, rad/s, on engine and module together; its integral at a quarter
+# bandwidth of the governor with engine and module, rad/s; the bandwidth of its integral is a quarter
 _BANDWIDTH = 20.0
-# of the engine: least and greatest torque, N.m
+# torque limits of the engine, N·m
 _LIMITS = driveline.EngineMap((0.0,), (200.0,), (20.0,))
-# what is called unstable: the engine off its speed by this share, which no course here comes near to
-_OFF = 0.9
+# a run is unstable if the relative error of the engine speed reaches this value
+_UNSTABLE_ERROR = 0.9
 TORQUE = "torque-driven"
-# by name; None: the module is driven by torque
+# schemes by name; None: torque-driven module
 COUPLINGS: dict[str, Scheme | None] = {TORQUE: None, **SCHEMES}
 RATIOS = (0.1, 0.3, 0.5, 1.0, 2.0, 5.0)
 # 2 ms does not divide the sample time of the governor (5 ms); 10 and 20 ms are longer
 STEPS = (2e-4, 5e-4, 1e-3, 2e-3, 2.5e-3, 5e-3, 1e-2, 2e-2)
-# the module of it, without its car
-_GIVEN = load_scene(example("urban")).parameters().items()
-URBAN_MODULE = {name: value for name, value in _GIVEN if name not in ("output_inertia", "input_hold")}
-# a small car's engine, kg.m2, with its flywheel; rad/s at which it idles
+# module of the urban scene without the car
+_URBAN_PARAMETERS = load_scene(example("urban")).parameters().items()
+URBAN_MODULE = {
+    name: value for name, value in _URBAN_PARAMETERS if name not in ("output_inertia", "input_hold")
+}
+# engine of a small car: inertia with flywheel, kg·m²; idle speed, rad/s
 ENGINE_INERTIA, IDLE_SPEED = 0.15, 80.0
 ENGINE_MAP = driveline.EngineMap(
     (0.0, 100.0, 200.0, 300.0, 400.0), (120.0, 150.0, 170.0, 160.0, 140.0), (10.0, 12.0, 15.0, 20.0, 25.0)
 )
-# of the urban cycle: by coupling the substeps of the scene's communication step
+# runs of the urban cycle: substeps of the communication step by coupling
 RUNS = {
     TORQUE: (4, 2, 1),
     "implicit ramp": (5, 1),
@@ -81,19 +84,25 @@ RUNS = {
 
 
 def governor(inertia: float) -> driveline.Governor:
-    """Make a governor for what turns with the engine, its rotor included, kg.m2."""
+    """Make the governor of an engine.
+
+    Args:
+        inertia: Inertia of the rotor and all parts that rotate with it, kg·m².
+    """
     gain = _BANDWIDTH * inertia
     return driveline.Governor(gain, 0.25 * _BANDWIDTH * gain, sample_time=0.005)
 
 
 @dataclass(frozen=True)
 class CoupledCase:
-    """Engine that holds its speed while the module launches the output shaft.
+    """Engine at constant reference speed while the module accelerates the output shaft from rest.
 
     Attributes:
-        name: as the table calls it. parameters: of the module, those that differ from the defaults.
-        speed: the governor's, also that at the start, rad/s. load_torque: N.m.
-        ratio: greatest interface inertia over the inertia of the engine.
+        name: Name in the table.
+        parameters: Parameters of the module that differ from the defaults.
+        speed: Reference and start speed, rad/s.
+        load_torque: Load torque, N·m.
+        ratio: Maximum interface inertia over the inertia of the engine.
     """
 
     name: str
@@ -104,7 +113,7 @@ class CoupledCase:
 
     @cached_property
     def interface(self) -> driveline.InterfaceInertia:
-        """Interface inertia of the module, kg.m2."""
+        """Return the interface inertia of the module, kg·m²."""
         return driveline.interface_inertia(self.parameters)
 
     def engine(self) -> Engine:
@@ -113,9 +122,9 @@ class CoupledCase:
         return Engine(inertia, _LIMITS, governor(inertia + self.interface.mean), self.speed, self.speed)
 
 
-# by name and greatest interface inertia over that of the engine
+# functions of the inertia ratio that make a case, by name
 CASES: dict[str, Callable[[float], CoupledCase]] = {
-    # module of the urban scene, launching 1 kg.m2; scene R1
+    # module of the urban scene with 1 kg·m² at the output; scene R1
     "planar": partial(CoupledCase, "planar", {**URBAN_MODULE, "output_inertia": 1.0}, 200.0, 8.0),
     "bevel": partial(CoupledCase, "bevel", {}, 100.0, 10.0),
 }
@@ -126,11 +135,13 @@ planar = CASES["planar"]
 
 
 class Course(NamedTuple):
-    """Speeds of a run, NaN where it did not get.
+    """Speeds of a run; NaN after its end.
 
     Attributes:
-        omega1: mean over each window, rad/s. omega_out: at the end of each, rad/s. work: of the engine, J.
-        ledger: sums over it, if it was coupled.
+        omega1: Mean input speed in each window, rad/s.
+        omega_out: Output speed at the end of each window, rad/s.
+        work: Work of the engine, J.
+        ledger: Sums over the run; zero without coupling.
     """
 
     omega1: Array
@@ -139,23 +150,27 @@ class Course(NamedTuple):
     ledger: Ledger
 
 
-def one_piece(case: CoupledCase) -> Course:
-    """Engine and module in one piece by the independent reference, from sample to sample of the governor."""
+def monolithic(case: CoupledCase) -> Course:
+    """Run engine and module as one system with the independent reference.
+
+    Args:
+        case: The case.
+    """
     engine = case.engine()
     law = engine.governor
     motion = Reference(driveline.torque_driven(case.parameters, engine.inertia), case.speed, case.load_torque)
     samples = round(WINDOW / law.sample_time)
     integral = work = 0.0
     omega1, omega_out = [], []
-    for window in range(WINDOWS):
-        began = motion.state[THETA1]
+    for window in range(N_WINDOWS):
+        start_angle = motion.state[THETA1]
         for n in range(samples):
             angle, speed = motion.state[THETA1], motion.state[OMEGA1]
             torque, integral = law.sample(integral, case.speed, speed, engine.limits.limits(speed))
             motion.give(torque, case.load_torque)
             motion.advance((window * samples + n + 1) * law.sample_time)
             work += torque * (motion.state[THETA1] - angle)
-        omega1.append((motion.state[THETA1] - began) / WINDOW)
+        omega1.append((motion.state[THETA1] - start_angle) / WINDOW)
         omega_out.append(motion.omega_out)
     return Course(np.array(omega1), np.array(omega_out), work, Ledger())
 
@@ -167,15 +182,22 @@ def coupled(
     engine: Engine,
     inertia: float,
     parameters: Mapping[str, float],
-    *given: Any,
+    *start: Any,
     substeps: int = 1,
 ) -> Iterator[EnginePlant]:
-    """Engine and module at their start by a scheme, or by torque; given is what Fmu takes besides.
+    """Start engine and module with a coupling.
 
-    The scheme reckons with an interface of this inertia, kg.m2.
+    Args:
+        fmu_path: FMU of the module.
+        scheme: Coupling scheme; None for a torque-driven module.
+        engine: The engine.
+        inertia: Interface inertia that the scheme uses, kg·m².
+        parameters: Parameters of the module.
+        start: Inputs and tolerance of the FMU.
+        substeps: Number of communication steps in each step of the plant.
     """
     values = parameters if scheme is not None else driveline.torque_driven(parameters, engine.inertia)
-    with Fmu(fmu_path, values, *given) as fmu:
+    with Fmu(fmu_path, values, *start) as fmu:
         if scheme is None:
             yield TorqueDrivenEngine(fmu, engine, substeps)
         else:
@@ -185,20 +207,35 @@ def coupled(
 def coupled_engine(
     case: CoupledCase, scheme: Scheme | None, fmu_path: Path, tolerance: float = TOLERANCE
 ) -> AbstractContextManager[EnginePlant]:
-    """Engine and module at the start of a case."""
-    given = case.parameters, {"omega1": case.speed, "load_torque": case.load_torque}, tolerance
-    return coupled(fmu_path, scheme, case.engine(), case.interface.middle, *given)
+    """Start engine and module of a case.
+
+    Args:
+        case: The case.
+        scheme: Coupling scheme; None for a torque-driven module.
+        fmu_path: FMU of the module.
+        tolerance: Relative tolerance.
+    """
+    start = case.parameters, {"omega1": case.speed, "load_torque": case.load_torque}, tolerance
+    return coupled(fmu_path, scheme, case.engine(), case.interface.middle, *start)
 
 
 def course(
     case: CoupledCase, scheme: Scheme | None, step: float, fmu_path: Path, tolerance: float = TOLERANCE
 ) -> Course:
-    """Run a case in equal steps, s, a whole number of them in a window (arguments of coupled_engine)."""
-    omega1, omega_out = np.full(WINDOWS, math.nan), np.full(WINDOWS, math.nan)
+    """Run a case in equal steps.
+
+    Args:
+        case: The case.
+        scheme: Coupling scheme; None for a torque-driven module.
+        step: Communication step, s; rounded so that a window is a whole number of steps.
+        fmu_path: FMU of the module.
+        tolerance: Relative tolerance.
+    """
+    omega1, omega_out = np.full(N_WINDOWS, math.nan), np.full(N_WINDOWS, math.nan)
     count = max(1, round(WINDOW / step))
     with coupled_engine(case, scheme, fmu_path, tolerance) as plant:
         engine = plant.engine
-        for n in range(WINDOWS):
+        for n in range(N_WINDOWS):
             angle = engine.state.angle
             try:
                 for _ in range(count):
@@ -206,21 +243,26 @@ def course(
             except (FmuError, OverflowError):
                 break
             omega1[n] = (engine.state.angle - angle) / WINDOW
-            if not abs(engine.speed - case.speed) < _OFF * case.speed:
+            if not abs(engine.speed - case.speed) < _UNSTABLE_ERROR * case.speed:
                 break
             (omega_out[n],) = plant.read(("omega_out",))
         return Course(omega1, omega_out, engine.state.work_in, plant.ledger)
 
 
 class Trial(NamedTuple):
-    """Errors of a run against the reference, what it loses and costs; errors are NaN where it is unstable.
+    """Errors and cost of a coupled run; errors are NaN if the run is unstable.
 
     Attributes:
-        case, ratio, scheme: what was run. step: communication step, s. stable: whether it was.
-        speed_error: greatest error of the mean of omega1 over a window, relative to the engine's speed.
-        output_error: the same of omega_out, relative to the greatest omega_out.
-        energy_error: energy lost on the bond over the work of the engine. work_error: of that work.
-        cost: see Ledger.cost, for a simulated second.
+        case: Name of the case.
+        ratio: Maximum interface inertia over the inertia of the engine.
+        scheme: Name of the coupling.
+        step: Communication step, s.
+        stable: True for a stable run.
+        speed_error: Maximum error of the window means of omega1, relative to the engine speed.
+        output_error: Maximum error of omega_out, relative to the maximum omega_out.
+        energy_error: Energy lost at the coupling over the work of the engine.
+        work_error: Relative error of the work of the engine.
+        cost: Cost per simulated second (see Ledger.cost).
     """
 
     case: str
@@ -235,34 +277,50 @@ class Trial(NamedTuple):
     cost: float
 
     @property
-    def worst(self) -> float:
-        """Worst of the errors of speed, output speed and energy; infinite if unstable."""
+    def max_error(self) -> float:
+        """Return the maximum of the errors of speed, output speed and energy; infinite if unstable."""
         errors = self.speed_error, self.output_error, abs(self.energy_error)
         return max(errors) if self.stable else math.inf
 
 
 def trial(case: CoupledCase, name: str, step: float, reference: Course, fmu_path: Path) -> Trial:
-    """Run a case by a coupling of this name in steps, s, and compare it with its reference."""
-    found = course(case, COUPLINGS[name], step, fmu_path)
+    """Run a case with a coupling, and compare it with the reference.
+
+    Args:
+        case: The case.
+        name: Name of the coupling.
+        step: Communication step, s.
+        reference: Monolithic run of the case.
+        fmu_path: FMU of the module.
+    """
+    run = course(case, COUPLINGS[name], step, fmu_path)
     errors = (
-        float(np.abs(found.omega1 - reference.omega1).max()) / case.speed,
-        float(np.abs(found.omega_out - reference.omega_out).max() / np.abs(reference.omega_out).max()),
-        found.ledger.defect / reference.work,
-        found.work / reference.work - 1.0,
-        found.ledger.cost / STOP_TIME,
+        float(np.abs(run.omega1 - reference.omega1).max()) / case.speed,
+        float(np.abs(run.omega_out - reference.omega_out).max() / np.abs(reference.omega_out).max()),
+        run.ledger.defect / reference.work,
+        run.work / reference.work - 1.0,
+        run.ledger.cost / STOP_TIME,
     )
-    stable = bool(np.isfinite(found.omega_out).all())
-    known = errors if stable else [math.nan] * len(errors)
-    return Trial(case.name, case.ratio, name, step, stable, *known)
+    stable = bool(np.isfinite(run.omega_out).all())
+    values = errors if stable else [math.nan] * len(errors)
+    return Trial(case.name, case.ratio, name, step, stable, *values)
 
 
-def coupling_map(fmu_path: Path, progress: Progress = lambda done: None, quick: bool = False) -> list[Trial]:
-    """Measure all couplings over step, inertia ratio and case; quick: a corner of it."""
+def coupling_map(
+    fmu_path: Path, progress: Progress = lambda fraction: None, quick: bool = False
+) -> list[Trial]:
+    """Measure all couplings over step, inertia ratio and case.
+
+    Args:
+        fmu_path: FMU of the module.
+        progress: Function called with the completed fraction, 0 to 1.
+        quick: True for one case, one ratio and two steps.
+    """
     names, ratios, steps = (("planar",), (0.5,), (1e-3, 5e-3)) if quick else (CASES, RATIOS, STEPS)
     rows: list[Trial] = []
     for name, ratio in itertools.product(names, ratios):
         case = CASES[name](ratio)
-        reference = one_piece(case)
+        reference = monolithic(case)
         for coupling, step in itertools.product(COUPLINGS, steps):
             rows.append(trial(case, coupling, step, reference, fmu_path))
             progress(len(rows) / (len(names) * len(ratios) * len(COUPLINGS) * len(steps)))
@@ -273,16 +331,20 @@ def coupling_map(fmu_path: Path, progress: Progress = lambda done: None, quick: 
 
 
 class UrbanRun(NamedTuple):
-    """Energies of a run, J, but for the shares.
+    """Energies of a run of the urban cycle.
 
     Attributes:
-        scheme: name. step: communication step between engine and module, s.
-        engine: work of the engine's torque. output: work on the load. lost: in the module.
-        stored: gain of kinetic energy of engine, module and car.
-        residual: engine - output - stored - lost, over engine.
-        gross: sum of the magnitudes of what is lost on the bond in each step, over engine.
-        outside: share of the time out of the tolerance of the cycle.
-        speed_error: rms of the car's speed against the cycle, m/s. cost: see Ledger.cost, for a second.
+        scheme: Name of the coupling.
+        step: Communication step between engine and module, s.
+        engine: Work of the engine torque, J.
+        output: Work on the load, J.
+        lost: Energy lost in the module, J.
+        stored: Increase of the kinetic energy of engine, module and car, J.
+        residual: (engine - output - stored - lost) over engine.
+        gross: Sum of the magnitudes of the energy lost at the coupling in each step, over engine.
+        outside: Fraction of the time outside the tolerance band of the cycle.
+        speed_error: RMS error of the car speed, m/s.
+        cost: Cost per simulated second (see Ledger.cost).
     """
 
     scheme: str
@@ -299,7 +361,7 @@ class UrbanRun(NamedTuple):
 
 
 def urban_scene() -> Scene:
-    """Load the scene of the car in the urban cycle, its engine idling where it would stop."""
+    """Load the scene of the car in the urban cycle, with an engine that idles instead of stopping."""
     return load_scene(example("urban")).replaced(controller={"minimum": f"{IDLE_SPEED} rad/s"})
 
 
@@ -311,18 +373,27 @@ def urban_run(
     stop_time: float | None = None,
     progress: Progress | None = None,
 ) -> UrbanRun:
-    """Drive the cycle of urban_scene by a coupling of this name, to its end or to another time, s."""
+    """Run the urban cycle with a coupling.
+
+    Args:
+        scene: Scene of urban_scene.
+        fmu_path: FMU of the module.
+        name: Name of the coupling.
+        substeps: Number of communication steps between engine and module per step of the scene.
+        stop_time: Duration, s; None for the whole cycle.
+        progress: Function called with the completed fraction, 0 to 1.
+    """
     parameters = {**scene.parameters(), "input_hold": 0.0}
     start = driveline.initial_inputs(scene.surroundings)
     interface, speed = driveline.interface_inertia(parameters), start["omega1"]
     engine = Engine(ENGINE_INERTIA, ENGINE_MAP, governor(ENGINE_INERTIA + interface.mean), speed, speed)
-    given = interface.middle, parameters, start, scene.accuracy.tolerance
-    with coupled(fmu_path, COUPLINGS[name], engine, *given, substeps=substeps) as plant:
+    arguments = interface.middle, parameters, start, scene.accuracy.tolerance
+    with coupled(fmu_path, COUPLINGS[name], engine, *arguments, substeps=substeps) as plant:
         before = plant.energy_stored
         loop = driveline.ClosedLoop(plant, scene.surroundings, ("omega_out",), scene.signal_units)
         table = loop.run(stop_time or scene.run.stop_time, progress)
         output, lost = plant.read(("energy_out", "energy_lost"))
-        worked, stored = engine.state.work_in, plant.energy_stored - before
+        work, stored = engine.state.work_in, plant.energy_stored - before
     driven, outside = table["vehicle_speed"], 0.0
     if scene.cycle is not None:
         lower, upper = scene.cycle.tolerance_band(table.time)
@@ -330,33 +401,38 @@ def urban_run(
     return UrbanRun(
         scheme=name,
         step=scene.run.communication_step / substeps,
-        engine=worked,
+        engine=work,
         output=output,
         stored=stored,
         lost=lost,
-        residual=(worked - output - stored - lost) / worked,
-        gross=plant.ledger.defect_magnitude / worked,
+        residual=(work - output - stored - lost) / work,
+        gross=plant.ledger.defect_magnitude / work,
         outside=outside,
         speed_error=float(np.sqrt(np.mean((driven - table["reference"]) ** 2))),
         cost=plant.ledger.cost / plant.ledger.time,
     )
 
 
-def urban_runs(fmu_path: Path, progress: Progress = lambda done: None) -> list[UrbanRun]:
-    """Drive all of RUNS (arguments of urban_run)."""
+def urban_runs(fmu_path: Path, progress: Progress = lambda fraction: None) -> list[UrbanRun]:
+    """Run the urban cycle with all couplings of RUNS.
+
+    Args:
+        fmu_path: FMU of the module.
+        progress: Function called with the completed fraction, 0 to 1.
+    """
     scene, runs = urban_scene(), [(name, n) for name, numbers in RUNS.items() for n in numbers]
 
-    def tell(number: int, done: float) -> None:
-        progress((number + done) / len(runs))
+    def report(number: int, fraction: float) -> None:
+        progress((number + fraction) / len(runs))
 
     return [
-        urban_run(scene, fmu_path, *one, progress=partial(tell, number)) for number, one in enumerate(runs)
+        urban_run(scene, fmu_path, *run, progress=partial(report, number)) for number, run in enumerate(runs)
     ]
 
 
-# --- what is left of it ---
+# --- figure and tables ---
 
-# from blue (good) to red, which the colour-blind tell apart by lightness: ColorBrewer's RdYlBu reversed
+# from blue (small) to red: ColorBrewer's RdYlBu reversed, whose lightness is readable with colour blindness
 _COLOURS = ListedColormap(["#313695", "#4575b4", "#abd9e9", "#ffffbf", "#fdae61", "#d73027"], name="errors")
 _BOUNDS = (1e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1, 1.0)
 _UNSTABLE = "#222222"
@@ -364,9 +440,10 @@ _NORM = BoundaryNorm(_BOUNDS, _COLOURS.N)
 
 
 def map_figure(rows: Sequence[Trial]) -> Figure:
-    """Draw the worst errors: couplings from top to bottom, steps within inertia ratios from left to right.
+    """Draw the maximum errors of couplings (rows) over inertia ratio and step; unstable runs are black.
 
-    What is unstable is black.
+    Args:
+        rows: Runs of coupling_map.
     """
     cases = list(dict.fromkeys(row.case for row in rows))
     schemes = list(dict.fromkeys(row.scheme for row in rows))
@@ -374,11 +451,11 @@ def map_figure(rows: Sequence[Trial]) -> Figure:
     figure = Figure(figsize=(11, 0.6 + 1.9 * len(cases)), dpi=110, layout="constrained")
     panels = list(figure.subplots(len(cases), 1, squeeze=False).flat)
     for axes, case in zip(panels, cases, strict=True):
-        found = {(row.scheme, row.ratio, row.step): row.worst for row in rows if row.case == case}
-        grid = np.array([[found.get((name, *column), math.inf) for column in columns] for name in schemes])
-        shown = np.clip(np.ma.masked_invalid(grid), _BOUNDS[0], 0.999 * _BOUNDS[-1])
+        errors = {(row.scheme, row.ratio, row.step): row.max_error for row in rows if row.case == case}
+        grid = np.array([[errors.get((name, *column), math.inf) for column in columns] for name in schemes])
+        clipped = np.clip(np.ma.masked_invalid(grid), _BOUNDS[0], 0.999 * _BOUNDS[-1])
         axes.set_facecolor(_UNSTABLE)
-        axes.pcolormesh(shown, cmap=_COLOURS, norm=_NORM, edgecolors="white", linewidth=0.4)
+        axes.pcolormesh(clipped, cmap=_COLOURS, norm=_NORM, edgecolors="white", linewidth=0.4)
         axes.invert_yaxis()
         axes.tick_params(length=0, labelsize=6.5)
         axes.set_yticks(np.arange(len(schemes)) + 0.5, schemes)
@@ -396,11 +473,17 @@ def map_figure(rows: Sequence[Trial]) -> Figure:
 
 
 def write_part(folder: Path, name: str, rows: Sequence[Any]) -> dict[str, Path]:
-    """Write the rows of a part as CSV, whole or not at all, and the picture of the map; by what they are."""
+    """Write the rows of a part as CSV, and the figure of the map; return the paths by description.
+
+    Args:
+        folder: Output folder.
+        name: MAP or URBAN.
+        rows: Rows of the part.
+    """
     names = [heading(column, UNITS[name].get(column, "")) for column in rows[0]._fields]
-    # six digits: further ones depend on the machine
+    # six digits, because further digits depend on the machine
     cells = ([f"{value:.6g}" if isinstance(value, float) else value for value in row] for row in rows)
-    written = {name: write_rows(folder / f"coupling_{name}.csv", names, cells)}
+    paths = {name: write_rows(folder / f"coupling_{name}.csv", names, cells)}
     if name == MAP:
-        written["picture of the map"] = write_figure(folder / "coupling.png", map_figure(rows))
-    return written
+        paths["picture of the map"] = write_figure(folder / "coupling.png", map_figure(rows))
+    return paths

@@ -15,48 +15,65 @@ from launch import MECHANISM, stall_torque
 from inertia_module import Result, current_fmu, simulate
 from inertia_module.fmi.results import write_figure
 
-LIFT = 0.01  # m a radian of the shaft: a drum of 0.2 m behind a gear of 20
+LIFT = 0.01  # m per radian of the shaft: drum of 0.2 m radius behind a gear ratio of 20
 INERTIA = 0.2  # kg.m2, drum and load
 GRAVITY = 9.80665  # m/s2
 OMEGA1 = 150.0  # rad/s
-# the input runs, stands, runs again
+# the input runs, stops and runs again
 TIMES = (0.0, 3.0, 3.2, 7.0, 7.2, 10.0)  # s
 SPEEDS = (OMEGA1, OMEGA1, 0.0, 0.0, OMEGA1, OMEGA1)
 STEP = 2e-3  # s
-SHARES = (0.2, 0.5, 0.8, 1.2)  # of the stall torque
+SHARES = (0.2, 0.5, 0.8, 1.2)  # load torque over stall torque
 OUTPUTS = ("omega_out", "output_torque_mean", "housing_torque", "energy_in", "energy_out")
 
 
 def run(weight_torque, housing_freewheel=True, fmu=None, stop=TIMES[-1]):
-    """The run with a load, N.m, as a table; height of the load, m, added."""
+    """Run with a load, and add the height of the load to the result.
+
+    Args:
+        weight_torque: Load torque, N·m.
+        housing_freewheel: True to include the housing freewheel.
+        fmu: FMU to use; None for the bundled FMU.
+        stop: Duration, s.
+    """
     parameters = {**MECHANISM, "output_inertia": INERTIA, "housing_freewheel": housing_freewheel}
     parameters["input_hold"] = "linear"
     inputs = {"time": TIMES, "omega1": SPEEDS, "load_torque": np.full(len(TIMES), weight_torque)}
     table = simulate(
         fmu or current_fmu(), inputs, stop_time=stop, step=STEP, outputs=OUTPUTS, parameters=parameters
     )
-    # the work done on the load is its weight times the height
+    # height = work on the load / weight
     height = table["energy_out"] * LIFT / weight_torque
     columns = {name: table[name] for name in table.names} | {"height": height}
     return Result.from_columns(columns, {**table.units, "height": "m"})
 
 
 def study(fmu=None):
-    """Rows (load, mass, height lifted in the first run, lost after it, speed of lifting) and tables."""
+    """Run all loads.
+
+    Args:
+        fmu: FMU to use; None for the bundled FMU.
+
+    Returns:
+        Rows (load, mass, lifted height, dropped height, lifting speed), and the results by share.
+    """
     torque = stall_torque(OMEGA1, fmu)
     rows, tables = [], {}
     for share in SHARES:
         load = share * torque
         table = tables[share] = run(load, True, fmu)
         standing = table.time < TIMES[3]
-        lifted, held = np.interp((TIMES[1], TIMES[3]), table.time, table["height"])
+        lifted, end_height = np.interp((TIMES[1], TIMES[3]), table.time, table["height"])
         late = (table.time > 1.0) & (table.time < TIMES[1])
         speed = np.ptp(table["height"][late]) / np.ptp(table.time[late])
-        rows.append((load, load / LIFT / GRAVITY, lifted, table["height"][standing].max() - held, speed))
+        rows.append(
+            (load, load / LIFT / GRAVITY, lifted, table["height"][standing].max() - end_height, speed)
+        )
     return rows, tables
 
 
 def main():
+    """Run the study, print its table, and write table.csv and plot.png."""
     rows, tables = study()
     print("load, N.m   mass, kg   lifted in 3 s, m   dropped at rest, m       lifting, m/s")
     for load, mass, lifted, sunk, speed in rows:

@@ -25,15 +25,28 @@ OUTPUTS = ("omega_out", "output_torque_mean", "input_torque_mean")
 
 
 def stall_torque(omega1, fmu=None):
-    """Mean torque on a shaft that stands, N.m: of a second, for it has some hundred pulses."""
-    held = {**MECHANISM, "output_inertia": 1e5}
+    """Return the mean torque on a locked output shaft over one second, N·m.
+
+    Args:
+        omega1: Input speed, rad/s.
+        fmu: FMU to use; None for the bundled FMU.
+    """
+    parameters = {**MECHANISM, "output_inertia": 1e5}
     inputs = {"omega1": omega1, "load_torque": 0.0}
-    table = simulate(fmu or current_fmu(), inputs, stop_time=1.0, step=1.0, outputs=OUTPUTS, parameters=held)
+    table = simulate(
+        fmu or current_fmu(), inputs, stop_time=1.0, step=1.0, outputs=OUTPUTS, parameters=parameters
+    )
     return table["output_torque_mean"][-1]
 
 
 def launch(omega1, fidelity, fmu=None):
-    """The launch as a table over time."""
+    """Run a launch.
+
+    Args:
+        omega1: Input speed, rad/s.
+        fidelity: Name of the fidelity.
+        fmu: FMU to use; None for the bundled FMU.
+    """
     parameters = {**MECHANISM, "output_inertia": FLYWHEEL, "fidelity": fidelity}
     inputs = {"omega1": omega1, "load_torque": LOAD}
     return simulate(
@@ -42,13 +55,26 @@ def launch(omega1, fidelity, fmu=None):
 
 
 def time_to(table, speed):
-    """First time the shaft has a speed, s; infinite if it never has."""
-    there = np.flatnonzero(table["omega_out"] >= speed)
-    return table.time[there[0]] if there.size else np.inf
+    """Return the time at which the shaft reaches a speed, s; infinite if it does not.
+
+    Args:
+        table: Result of a launch.
+        speed: Output speed, rad/s.
+    """
+    rows = np.flatnonzero(table["omega_out"] >= speed)
+    return table.time[rows[0]] if rows.size else np.inf
 
 
 def study(fmu=None):
-    """Rows (omega1, stall torque, times to 50 % and 90 %, rigid; the same, averaged) and the launches."""
+    """Run all launches.
+
+    Args:
+        fmu: FMU to use; None for the bundled FMU.
+
+    Returns:
+        Rows (omega1, stall torque, times to 50 % and 90 % rigid and averaged), and the results by speed and
+        fidelity.
+    """
     rows, launches = [], {}
     for omega1 in SPEEDS:
         times = []
@@ -60,6 +86,7 @@ def study(fmu=None):
 
 
 def main():
+    """Run the study, print its table, and write table.csv and plot.png."""
     rows, launches = study()
     print("omega1   stall torque   / omega1^2      rigid: 50 %    90 %   averaged: 50 %    90 %")
     print("rad/s    N.m            N.m.s2/rad2            s       s                s       s")

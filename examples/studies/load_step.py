@@ -21,7 +21,7 @@ OMEGA1 = 150.0  # rad/s
 INERTIA = 0.5  # kg.m2
 HOLD = 4.0  # s at each load
 STEP = 2e-3  # s
-# loads over the stall torque and, in the middle, over what lock-up can hold
+# loads over the stall torque, in the middle over the lock-up torque
 STALL_SHARES = (0.3, 0.8)
 LOCK_UP_SHARES = (0.5, 1.1)
 BACK_SHARES = (0.8, 0.3)
@@ -30,9 +30,9 @@ OUTPUTS = ("omega_out", "output_torque_mean", "input_torque_mean")
 
 
 def loads_of_study():
-    """The loads, N.m, from the chart of the mechanism."""
-    known = torque_converter_chart({**MECHANISM, "layout": 1}).summary()  # planar
-    stall, lock_up = (known[name] * OMEGA1**2 for name in ("stall_torque", "lock_up_torque"))
+    """Return the loads, N·m, from the chart of the mechanism."""
+    summary = torque_converter_chart({**MECHANISM, "layout": 1}).summary()  # planar
+    stall, lock_up = (summary[name] * OMEGA1**2 for name in ("stall_torque", "lock_up_torque"))
     return np.array(
         [
             *(share * stall for share in STALL_SHARES),
@@ -43,9 +43,14 @@ def loads_of_study():
 
 
 def run(loads, fmu=None):
-    """The whole run as a table."""
+    """Run the load steps.
+
+    Args:
+        loads: Loads, N·m.
+        fmu: FMU to use; None for the bundled FMU.
+    """
     edges = HOLD * np.arange(len(loads) + 1)
-    # a step of the load is as steep as one communication step
+    # the load changes within one communication step
     time = np.sort(np.concatenate([edges[:-1], edges[1:] - STEP]))
     inputs = {"time": time, "omega1": np.full(time.size, OMEGA1), "load_torque": np.repeat(loads, 2)}
     parameters = {**MECHANISM, "output_inertia": INERTIA}
@@ -60,34 +65,42 @@ def run(loads, fmu=None):
 
 
 def study(fmu=None):
-    """(rows of load, settled speed, lowest speed, input torque; the table)."""
+    """Run the study.
+
+    Args:
+        fmu: FMU to use; None for the bundled FMU.
+
+    Returns:
+        Rows (load, settled speed, minimum speed, input torque), and the result.
+    """
     loads = loads_of_study()
     table = run(loads, fmu)
     rows = []
     for n, load in enumerate(loads):
-        held = (table.time >= n * HOLD) & (table.time < (n + 1) * HOLD)
-        last = held & (table.time >= (n + 0.75) * HOLD)
+        step = (table.time >= n * HOLD) & (table.time < (n + 1) * HOLD)
+        last = step & (table.time >= (n + 0.75) * HOLD)
         speed = table["omega_out"][last].mean()
         torque = table["input_torque_mean"][last].mean()
-        rows.append((load, speed, table["omega_out"][held].min(), torque))
+        rows.append((load, speed, table["omega_out"][step].min(), torque))
     return rows, table
 
 
 def main():
+    """Run the study, print its table, and write table.csv and plot.png."""
     rows, table = study()
     print("load, N.m   settled, rad/s   / omega1    minimum, rad/s   mean input torque, N.m")
     for load, speed, lowest, torque in rows:
         print(f"{load:<11.1f} {speed:<16.2f} {speed / OMEGA1:<11.3f} {lowest:<15.2f} {torque:.2f}")
-    # pulses blur a picture of half a minute: means over a tenth of a second
+    # means over a tenth of a second, because pulses are not visible in a figure of half a minute
     torques = ("output_torque_mean", "input_torque_mean")
-    shown = {"time": table.time, "load_torque": table["load_torque"]}
-    shown |= {name: smooth(table.time, table[name], SMOOTHING) for name in torques} | {
+    columns = {"time": table.time, "load_torque": table["load_torque"]}
+    columns |= {name: smooth(table.time, table[name], SMOOTHING) for name in torques} | {
         "omega_out": table["omega_out"]
     }
-    units = {name: "rad/s" if name == "omega_out" else "N.m" for name in shown if name != "time"}
+    units = {name: "rad/s" if name == "omega_out" else "N.m" for name in columns if name != "time"}
     folder = Path("out") / "load_step"
     print(table.to_csv(folder / "table.csv"))
-    print(write_figure(folder / "plot.png", Result.from_columns(shown, units).plot()))
+    print(write_figure(folder / "plot.png", Result.from_columns(columns, units).plot()))
 
 
 if __name__ == "__main__":

@@ -109,6 +109,7 @@ def study(fmu=None):
 
 
 def main():
+    """Run the study, print its table, and write table.csv and plot.png."""
     tables = study()
     print("case           error, km/h rms   out of tolerance   input work, kJ   energy residual")
     for name, table in tables.items():

@@ -18,7 +18,7 @@ from inertia_module.fmi.results import write_figure
 
 INERTIA = 2.0  # kg.m2
 LOAD = 5.0  # N.m
-# input speed: full, down to a quarter, back up
+# input speed: full, a quarter, full
 TIMES = (0.0, 4.0, 4.5, 7.0, 8.0, 12.0)  # s
 SPEEDS = (200.0, 200.0, 50.0, 50.0, 200.0, 200.0)  # rad/s
 STEP = 2e-3  # s
@@ -26,7 +26,12 @@ OUTPUTS = ("omega_out", "omega2", "output_torque_mean", "input_torque_mean", "en
 
 
 def run(output_freewheel=True, fmu=None):
-    """The run as a table."""
+    """Run with or without the output freewheel.
+
+    Args:
+        output_freewheel: True to include the output freewheel.
+        fmu: FMU to use; None for the bundled FMU.
+    """
     parameters = {**MECHANISM, "output_inertia": INERTIA, "output_freewheel": output_freewheel}
     parameters["input_hold"] = "linear"
     inputs = {"time": TIMES, "omega1": SPEEDS, "load_torque": np.full(len(TIMES), LOAD)}
@@ -36,7 +41,11 @@ def run(output_freewheel=True, fmu=None):
 
 
 def phases(table):
-    """(deceleration while coasting and load / inertia, rad/s2; time until it pulls again, s)."""
+    """Return deceleration while coasting, load over inertia, rad/s², and the delay of the torque, s.
+
+    Args:
+        table: Result of run.
+    """
     coasting = (table.time > TIMES[2]) & (table.time < TIMES[3])
     speed = table["omega_out"][coasting]
     slowed = (speed[0] - speed[-1]) / np.ptp(table.time[coasting])
@@ -47,11 +56,16 @@ def phases(table):
 
 
 def study(fmu=None):
-    """Tables with and without the output freewheel."""
+    """Run with and without the output freewheel; return the results by this value.
+
+    Args:
+        fmu: FMU to use; None for the bundled FMU.
+    """
     return {freewheel: run(freewheel, fmu) for freewheel in (True, False)}
 
 
 def main():
+    """Run the study, print its table, and write table.csv and plot.png."""
     tables = study()
     slowed, free, again = phases(tables[True])
     print(f"deceleration while overrunning: {slowed:.4f} rad/s2; load over inertia: {free:.4f} rad/s2")

@@ -13,7 +13,7 @@ from scenes import ELASTIC, REFERENCE
 from inertia_module.fmi.loading import Log, Slave, callbacks_of
 from inertia_module.fmu.builder import FMUS
 
-# the FMUs a test runs with, unless its file has FLAVOURS of its own, or the test asks for the model: then all
+# FMUs of a test, unless its file defines FLAVOURS or the test uses the fixture model (all FMUs)
 FLAVOURS = ("InertiaModule", "InertiaModule3", "InertiaModulePy")
 MODELS = {fmu.identifier: fmu.model for fmu in FMUS}
 R1 = REFERENCE
@@ -92,10 +92,12 @@ class Instance:
         self.time = 0.0
 
     def set(self, **values):
-        """Set variables, those of a type in one call."""
+        """Set variables with one call per type."""
         for kind in dict.fromkeys(self.calls[name] for name in values):
-            given = {name: value for name, value in values.items() if self.calls[name] == kind}
-            getattr(self.fmu, f"set{kind}")([self.references[name] for name in given], list(given.values()))
+            selected = {name: value for name, value in values.items() if self.calls[name] == kind}
+            getattr(self.fmu, f"set{kind}")(
+                [self.references[name] for name in selected], list(selected.values())
+            )
 
     def get(self, name):
         return getattr(self.fmu, f"get{self.calls[name]}")([self.references[name]])[0]
@@ -155,7 +157,7 @@ class Instance:
         )
 
     def refusal(self, action, expected=fmi2Error):
-        """The message of what an action is refused with: an error, or another status that is expected."""
+        """Return the message of a rejected action, which has an error or another expected status."""
         status = None
         self.log.warnings.clear()
         self.log.errors.clear()

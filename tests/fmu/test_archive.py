@@ -75,7 +75,7 @@ def check_native(folder, fmu, targets):
 
 
 @pytest.mark.parametrize("fmu", NATIVE, ids=lambda fmu: fmu.identifier)
-def test_native_fmu_holds_its_libraries_and_its_papers_and_nothing_else(fmu, built):
+def test_native_fmu_contains_only_libraries_and_documents(fmu, built):
     check_native(built, fmu, HERE)
     assert not builder.is_current(built / fmu.file_name, fmu)
 
@@ -106,9 +106,7 @@ def test_python_fmu_holds_its_source_and_the_compiled_kernel(built):
 ICON = (200, 200)
 
 
-def test_page_refers_to_files_of_the_fmu_says_what_the_model_computes_and_lists_every_variable(
-    unpacked, model
-):
+def test_page_of_the_fmu_links_to_its_files_and_lists_every_variable(unpacked, model):
     folder = unpacked / "documentation"
     # as XML, where every element is closed in its turn
     text = re.sub("<((meta|img|br|hr)[^>]*)>", r"<\1/>", (folder / "index.html").read_text(encoding="utf-8"))
@@ -149,7 +147,7 @@ def test_icon_is_a_square_with_the_machine_in_colours(unpacked, description):
 # --- another content is another FMU ---
 
 
-def test_an_fmu_built_anew_is_seen(built, tmp_path):
+def test_rebuilt_fmu_is_reloaded(built, tmp_path):
     path = tmp_path / "one.fmu"
     shutil.copy(built / "InertiaModule.fmu", path)
     with Fmu(path) as before:
@@ -161,10 +159,10 @@ def test_an_fmu_built_anew_is_seen(built, tmp_path):
         before.advance(0.01)
 
 
-# --- built: as before, as of now, what is made anew after a change ---
+# --- builds: unchanged, current, parts that are rebuilt after a change ---
 
 
-def test_interrupted_build_leaves_the_old_files_and_no_others(built, tmp_path, monkeypatch):
+def test_interrupted_build_keeps_the_old_files_only(built, tmp_path, monkeypatch):
     paths = [Path(shutil.copy(built / fmu.file_name, tmp_path)) for fmu in FMUS]
     before = [path.read_bytes() for path in paths]
     for where in ("os.replace", "inertia_module.fmu.python_fmu.PythonFmu.content"):
@@ -182,9 +180,7 @@ def without(name):
 
 
 @pytest.mark.parametrize("fmu", FMUS, ids=lambda fmu: fmu.identifier)
-def test_fmu_just_built_is_current_whatever_the_date_and_nothing_is_packed_to_find_out(
-    built, fmu, monkeypatch
-):
+def test_new_fmu_is_current_on_any_date_without_packing(built, fmu, monkeypatch):
     for part in (native_fmu, python_fmu):
         monkeypatch.delattr(part, "archive")
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1900000000")
@@ -202,7 +198,7 @@ CHANGES = {
 
 
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
-def test_fmu_that_is_not_as_it_would_be_built_now_is_not_current(built, tmp_path, change):
+def test_fmu_of_other_sources_is_not_current(built, tmp_path, change):
     path = Path(shutil.copy(built / builder.MODULE_FMU.file_name, tmp_path))
     shutil.copy(built / SHAFT_FMU.file_name, tmp_path / "another.fmu")
     assert builder.is_current(path, builder.MODULE_FMU, HERE)
@@ -227,7 +223,7 @@ def test_python_fmu_of_another_source_is_not_current(built, monkeypatch):
         ("darwin", "arm64", "darwin64"),
     ],
 )
-def test_this_platform_is_known_by_the_names_that_systems_give_it(monkeypatch, system, processor, folder):
+def test_platform_follows_from_the_names_of_systems(monkeypatch, system, processor, folder):
     monkeypatch.setattr(targets.sys, "platform", system)
     monkeypatch.setattr(targets.platform, "machine", lambda: processor)
     assert targets.here().folder == folder
@@ -247,8 +243,8 @@ def test_without_a_tool_the_python_fmu_is_built_and_the_rest_is_skipped_with_the
     monkeypatch.setitem(sys.modules, missing, None)  # so it is not found
     done = command("build", "-o", tmp_path, *options)
     assert done.exit_code == 1
-    told = re.findall("^skipped (.*?): (.*)", done.stderr, re.M)
-    skipped = json.loads(done.stdout)["skipped"] if options else dict(told)
+    reasons = re.findall("^skipped (.*?): (.*)", done.stderr, re.M)
+    skipped = json.loads(done.stdout)["skipped"] if options else dict(reasons)
     (path,) = tmp_path.iterdir()
     assert not options or json.loads(done.stdout)["fmus"] == [str(path)]
     assert path.name == "InertiaModulePy.fmu"
@@ -259,7 +255,7 @@ def test_without_a_tool_the_python_fmu_is_built_and_the_rest_is_skipped_with_the
     assert message.startswith("the kernel is plain Python (no compiled kernel is available")
 
 
-def test_build_says_what_it_is_doing_skips_a_platform_that_fails_and_makes_the_others(tmp_path, monkeypatch):
+def test_build_reports_progress_and_skips_a_failed_platform(tmp_path, monkeypatch):
     def fails(fmu, guid, target, progress):
         if target is LINUX_ARM:
             raise CompilationError("no such processor")
@@ -328,7 +324,7 @@ OTHER_FIELDS = """
 first, *others = SHAFT_FMU.model.records
 vars(SHAFT_FMU.model)["records"] = (first[::-1], *others)
 """
-# what is made anew after a change of a file of the package
+# parts that are rebuilt after a change of a file of the package
 FILES = {
     "kernel/inertia.py": ALL,
     "interface/records.py": ALL,
@@ -339,7 +335,7 @@ FILES = {
     "compiling/targets.py": ALL,
     "fmu/shell/values.c": LINKED,
     "compiling/kernel.h": ALL,
-    # the table of variables: by the fields that the records have of it, not by its words
+    # table of variables: depends on the fields of the records, not on its texts
     "interface/variables.py": set(),
 }
 # and with another tool, and the code that makes it another
@@ -353,7 +349,7 @@ TOOLS = {
 
 
 def elsewhere(folder, *arguments, **environment):
-    """Run Python as another user would, in a folder and a time zone of theirs; what it prints."""
+    """Run Python as another user, in another folder and time zone, and return its output."""
     home, temporary = folder / "home of somebody else", folder / "t"
     home.mkdir(parents=True)
     temporary.mkdir()
@@ -364,9 +360,7 @@ def elsewhere(folder, *arguments, **environment):
     return process(*arguments, folder=home, **(other | environment)).stdout
 
 
-def test_files_are_the_same_whoever_builds_them_wherever_and_tell_no_path_and_no_user(
-    built_for_all, tmp_path
-):
+def test_files_do_not_depend_on_user_and_folder(built_for_all, tmp_path):
     moved, cache, other = (tmp_path / name for name in ("moved", "cache", "other"))
     shutil.copytree(PACKAGE_FOLDER, moved / PACKAGE_FOLDER.name, ignore=shutil.ignore_patterns("__pycache__"))
     cache.mkdir()
@@ -380,11 +374,11 @@ def test_files_are_the_same_whoever_builds_them_wherever_and_tell_no_path_and_no
         assert (other / file.file_name).read_bytes() == path.read_bytes(), file.file_name
         libraries = files_of(path) if path.suffix == ".fmu" else {path.name: path.read_bytes()}
         for name in [name for name in libraries if not name.endswith((".py", ".txt", ".html"))]:
-            for told in (str(tmp_path), str(PACKAGE_FOLDER), user, "somebody", "kernel.o", "tables.o"):
-                assert told.encode() not in libraries[name], name
+            for text in (str(tmp_path), str(PACKAGE_FOLDER), user, "somebody", "kernel.o", "tables.o"):
+                assert text.encode() not in libraries[name], name
 
 
-def test_second_build_leaves_the_same_files_but_for_the_date(built, tmp_path, monkeypatch):
+def test_second_build_writes_the_same_files_except_the_date(built, tmp_path, monkeypatch):
     for path in build(tmp_path / "again", targets=HERE).paths:
         assert path.read_bytes() == (built / path.name).read_bytes()
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1900000000")
@@ -393,8 +387,8 @@ def test_second_build_leaves_the_same_files_but_for_the_date(built, tmp_path, mo
 
 
 @pytest.mark.skipif(os.name == "nt", reason="processes are not forked on Windows")
-def test_after_a_change_of_source_or_tool_nothing_old_comes_back(tmp_path):
-    """All that a change can touch is made anew, and nothing else; the GUID is another if anything is."""
+def test_change_of_source_or_tool_invalidates_the_cache(tmp_path):
+    """Only parts that depend on the change are rebuilt; the GUID changes if any part changes."""
     package = tmp_path / PACKAGE_FOLDER.name
     shutil.copytree(PACKAGE_FOLDER, package, ignore=shutil.ignore_patterns("__pycache__"))
     changes = [(file, "") for file in FILES] + [("__init__.py", code) for _, code in TOOLS.values()]
@@ -403,10 +397,10 @@ def test_after_a_change_of_source_or_tool_nothing_old_comes_back(tmp_path):
     before, *after = map(json.loads, printed.splitlines())
     assert before["guid"] == SHAFT_FMU.guid()
     expected = FILES | {tool: anew for tool, (anew, _) in TOOLS.items()}
-    found = dict(zip(expected, after, strict=True))
+    pairs = dict(zip(expected, after, strict=True))
     assert {
-        change: {what for what in built if built[what] == "new"} for change, built in found.items()
+        change: {what for what in built if built[what] == "new"} for change, built in pairs.items()
     } == expected
-    assert {change for change in found if found[change]["guid"] != before["guid"]} == {
+    assert {change for change in pairs if pairs[change]["guid"] != before["guid"]} == {
         change for change, anew in expected.items() if anew
     }

@@ -1,4 +1,4 @@
-"""The libraries in the FMUs, read by lief: each needs what its platform brings, and offers co-simulation."""
+"""Test the libraries in the FMUs with lief: they require only their platform and export co-simulation."""
 
 import re
 import struct
@@ -17,7 +17,7 @@ from inertia_module.fmu.linking import header_folder
 from inertia_module.interface.models import DRIVEN_SHAFT
 from tests.ready import HERE
 
-lief.logging.disable()  # it tells of every table that is empty
+lief.logging.disable()  # otherwise it prints a warning for every empty table
 
 NATIVE = [fmu for fmu in FMUS if fmu is not PYTHON_FMU]
 # this platform, and those that it takes long to build for
@@ -54,8 +54,10 @@ def read(path, processor="X86_64"):
         own = lief.MachO.LoadCommand.TYPE.ID_DYLIB
         needs = {library.name for library in binary.libraries if library.command != own}
         offers = {symbol.name.removeprefix("_") for symbol in binary.exported_symbols}
-        parts = {binary.segment_from_virtual_address(found.address).name for found in binary.relocations}
-        parts |= {found.segment.name for found in binary.bindings}
+        parts = {
+            binary.segment_from_virtual_address(relocation.address).name for relocation in binary.relocations
+        }
+        parts |= {relocation.segment.name for relocation in binary.bindings}
     elif path.suffix == ".dll":
         binary = lief.PE.parse(str(path))
         needs = {name.lower() for name in binary.libraries}
@@ -67,7 +69,9 @@ def read(path, processor="X86_64"):
         binary = lief.ELF.parse(str(path))
         needs = {str(name) for name in binary.libraries}
         offers = {symbol.name for symbol in binary.exported_symbols}
-        parts = {binary.section_from_virtual_address(found.address).name for found in binary.relocations}
+        parts = {
+            binary.section_from_virtual_address(relocation.address).name for relocation in binary.relocations
+        }
     return SimpleNamespace(whole=whole, binary=binary, needs=needs, offers=offers, loader_writes_to=parts)
 
 
@@ -95,29 +99,27 @@ def test_the_headers_name_the_functions_of_co_simulation():
 
 @pytest.mark.parametrize("target", PLATFORMS)
 @pytest.mark.parametrize("fmu", NATIVE, ids=lambda fmu: fmu.identifier)
-def test_library_is_of_its_platform_needs_only_what_that_brings_and_offers_fmi(
-    fmu, target, request, tmp_path
-):
+def test_library_requires_only_its_platform_and_exports_fmi(fmu, target, request, tmp_path):
     processor = PROCESSORS[target.compiler.split("-", 1)[0]]
     folder = request.getfixturevalue("built" if target in HERE else "built_for_all")
     with zipfile.ZipFile(folder / fmu.file_name) as packed:
-        found = read(Path(packed.extract(fmu.library_path(target), tmp_path)), processor)
+        library = read(Path(packed.extract(fmu.library_path(target), tmp_path)), processor)
     required = required_by(fmu.fmi)
-    assert required | {"inertiaModuleRun"} <= found.offers
+    assert required | {"inertiaModuleRun"} <= library.offers
     if target.suffix == ".so":
-        # of 2012, the loader beside it, which changes no code
-        assert found.needs <= {"libc.so.6", "libm.so.6", "ld-linux-aarch64.so.1"}
-        versions = {tuple(map(int, name[len("GLIBC_") :].split("."))) for name in glibc_versions(found)}
+        # glibc of 2012, and the loader, which changes no code
+        assert library.needs <= {"libc.so.6", "libm.so.6", "ld-linux-aarch64.so.1"}
+        versions = {tuple(map(int, name[len("GLIBC_") :].split("."))) for name in glibc_versions(library)}
         assert max(versions) <= (2, 17)
-        assert {".data.rel.ro"} <= found.loader_writes_to <= {".data.rel.ro", ".got", ".got.plt"}
-        assert "__stack_chk_fail" in {symbol.name for symbol in found.binary.imported_symbols}
+        assert {".data.rel.ro"} <= library.loader_writes_to <= {".data.rel.ro", ".got", ".got.plt"}
+        assert "__stack_chk_fail" in {symbol.name for symbol in library.binary.imported_symbols}
         others = {"inertia_module_kernel", "inertia_module_kernel_run", "inertiaModuleRun"}
         others |= {"_init", "_fini", "__bss_start", "_edata", "_end"}
-        assert found.offers - required <= others
+        assert library.offers - required <= others
     elif target.suffix == ".dll":
-        assert found.needs == {"ucrtbase.dll"}
-        assert found.loader_writes_to == {".rdata"}
-        (version,) = found.binary.resources_manager.version
+        assert library.needs == {"ucrtbase.dll"}
+        assert library.loader_writes_to == {".rdata"}
+        (version,) = library.binary.resources_manager.version
         (texts,) = version.string_file_info.children
         says = {entry.key: entry.value for entry in texts.entries}
         assert says["FileDescription"] == fmu.model.title
@@ -125,14 +127,14 @@ def test_library_is_of_its_platform_needs_only_what_that_brings_and_offers_fmi(
         assert __version__.startswith("{}.{}.".format(*divmod(version.file_info.file_version_ms, 1 << 16)))
         assert says["OriginalFilename"] == f"{fmu.identifier}.dll"
     else:
-        assert found.needs == {"/usr/lib/libSystem.B.dylib"}
-        assert found.binary.build_version.minos[:2] == [11, 0]
-        assert found.loader_writes_to == {"__DATA", "__DATA_CONST"}
-        assert "___stack_chk_fail" in {symbol.name for symbol in found.binary.imported_symbols}
-        signed = found.binary.has_code_signature
+        assert library.needs == {"/usr/lib/libSystem.B.dylib"}
+        assert library.binary.build_version.minos[:2] == [11, 0]
+        assert library.loader_writes_to == {"__DATA", "__DATA_CONST"}
+        assert "___stack_chk_fail" in {symbol.name for symbol in library.binary.imported_symbols}
+        signed = library.binary.has_code_signature
         assert processor == "X86_64" or signed
-        assert not signed or is_ad_hoc(bytes(found.binary.code_signature.content))
-    assert found.binary.abstract.header.architecture.name == processor
+        assert not signed or is_ad_hoc(bytes(library.binary.code_signature.content))
+    assert library.binary.abstract.header.architecture.name == processor
 
 
 @pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.label)

@@ -70,7 +70,7 @@ def names(place):
     return folders
 
 
-def test_instances_of_all_processes_share_one_copy(fmu, place, temporary):
+def test_instances_of_all_processes_share_a_copy(fmu, place, temporary):
     process("-c", OPENED.format(path=str(fmu)))
     before = names(place)
     with Fmu(fmu) as first, Fmu(fmu) as second:
@@ -82,7 +82,7 @@ def test_instances_of_all_processes_share_one_copy(fmu, place, temporary):
 
 
 @pytest.mark.parametrize("end", ENDS)
-def test_a_process_leaves_nothing_among_the_temporary_files(end, fmu, place, temporary, built):
+def test_process_removes_its_temporary_files(end, fmu, place, temporary, built):
     code, status = ENDS[end]
     other = f"other = {str(built / 'DrivenShaft.fmu')!r}; "
     process("-c", OPENED.format(path=str(fmu)) + other + code, statuses=(status,))
@@ -92,7 +92,7 @@ def test_a_process_leaves_nothing_among_the_temporary_files(end, fmu, place, tem
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals")
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP", "SIGINT", "SIGKILL"])
-def test_a_signal_leaves_nothing_among_the_temporary_files(fmu, place, temporary, name):
+def test_process_ended_by_a_signal_removes_its_temporary_files(fmu, place, temporary, name):
     command = [sys.executable, "-c", OPENED.format(path=str(fmu)) + WAITS]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as running:
         assert running.stdout.readline() == "ready\n"
@@ -104,7 +104,7 @@ def test_a_signal_leaves_nothing_among_the_temporary_files(fmu, place, temporary
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals")
-def test_a_command_that_nohup_has_started_goes_on():
+def test_command_under_nohup_continues():
     program = "import signal; signal.signal(signal.SIGHUP, signal.SIG_IGN); " + WAITS
     with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as running:
         assert running.stdout.readline() == "ready\n"
@@ -113,7 +113,7 @@ def test_a_command_that_nohup_has_started_goes_on():
     assert running.returncode == 128 + signal.SIGTERM
 
 
-def test_processes_that_unpack_at_once_make_one_copy(fmu, place, temporary):
+def test_processes_that_unpack_simultaneously_make_a_single_copy(fmu, place, temporary):
     command = [sys.executable, "-c", OPENED.format(path=str(fmu)) + "fmus[0].advance(0.01)"]
     running = [subprocess.Popen(command) for _ in range(4)]
     assert [child.wait() for child in running] == [0] * 4
@@ -139,7 +139,7 @@ def test_a_damaged_copy_is_replaced(fmu, place, damage):
     assert names(place) == [folder.name]
 
 
-def test_a_copy_that_somebody_has_removed_is_made_again(fmu, place):
+def test_removed_copy_is_made_again(fmu, place):
     Fmu(fmu).close()
     (folder,) = place.iterdir()
     copies._remove(folder)
@@ -173,7 +173,7 @@ def test_an_interrupted_copy_is_not_there(fmu, place, monkeypatch):
     Fmu(fmu).close()
 
 
-def test_a_file_that_is_no_fmu_leaves_nothing(fmu, place, temporary, tmp_path):
+def test_invalid_fmu_leaves_no_files(fmu, place, temporary, tmp_path):
     broken = tmp_path / "broken.fmu"
     broken.write_bytes(fmu.read_bytes()[:-100])
     with pytest.raises(FmuError, match=r"cannot read .*broken.fmu: not a zip archive: "):
@@ -182,7 +182,7 @@ def test_a_file_that_is_no_fmu_leaves_nothing(fmu, place, temporary, tmp_path):
     assert list(temporary.iterdir()) == []
 
 
-def test_copies_that_nobody_has_opened_for_days_are_removed(fmu, built, place):
+def test_copies_unused_for_days_are_removed(fmu, built, place):
     Fmu(fmu).close()
     (recent,) = place.iterdir()
     old, unfinished, young = (
@@ -204,7 +204,7 @@ def full(*_):
     raise OSError(errno.ENOSPC, "No space left on device")
 
 
-def test_without_a_cache_the_copy_is_a_temporary_one_that_all_processes_share(fmu, place, temporary):
+def test_without_a_cache_all_processes_share_a_temporary_copy(fmu, place, temporary):
     place.parent.write_text("a file, no folder")
     for _ in range(2):
         process("-c", OPENED.format(path=str(fmu)) + "fmus[0].advance(0.01)")
@@ -224,7 +224,7 @@ def test_a_temporary_folder_of_another_user_is_not_used(fmu, place, temporary, m
     assert list((temporary / f"inertia-module-{user + 1}").iterdir()) == []
 
 
-def test_full_disks_are_one_sentence_with_the_folders(fmu, place, temporary, monkeypatch):
+def test_full_disk_is_an_error_with_the_folders(fmu, place, temporary, monkeypatch):
     monkeypatch.setattr(copies, "unpack", full)
     with pytest.raises(FmuError) as error:
         Fmu(fmu)

@@ -35,44 +35,44 @@ def followed(request):
     return LEVELS[request.param]
 
 
-def outputs_after(instances, settings, h, given, names, tolerance=1e-12):
+def outputs_after(instances, settings, h, inputs, names, tolerance=1e-12):
     """Outputs after some steps, inputs or tunable parameters of the last one given."""
     instance = instances().start(tolerance=tolerance, **START | settings)
     for _ in range(4):
         instance.step(0.01)
-    instance.set(**given)
+    instance.set(**inputs)
     instance.step(h)
     return [instance.get(name) for name in names]
 
 
-# FMI 3.0 asks the same core: its own calls are those of the tests below
+# FMI 3.0 uses the same core; the tests below cover its own calls
 @pytest.mark.fmi2
-def test_directional_derivative_is_that_of_the_last_step_by_its_inputs(instances, level):
+def test_directional_derivative_is_the_derivative_of_the_last_step(instances, level):
     instance, exact = (instances().start(tolerance=n, **START, **level) for n in (1e-6, 1e-12))
-    for one in (instance, exact):
+    for each in (instance, exact):
         for _ in range(4):
-            one.step(0.01)
-    kept = [one.fmu.getFMUstate() for one in (instance, exact)]
-    for h, known in product((1e-3, 0.05), KNOWNS):
-        delta, ends = 1e-4 * START[known], []
+            each.step(0.01)
+    states = [each.fmu.getFMUstate() for each in (instance, exact)]
+    for h, variable in product((1e-3, 0.05), KNOWNS):
+        delta, ends = 1e-4 * START[variable], []
         for change in (delta, -delta):
-            exact.fmu.setFMUstate(kept[1])
-            exact.set(**{known: START[known] + change})
+            exact.fmu.setFMUstate(states[1])
+            exact.set(**{variable: START[variable] + change})
             exact.try_step(h)
             ends.append([exact.get(name) for name in UNKNOWNS])
-        instance.fmu.setFMUstate(kept[0])
+        instance.fmu.setFMUstate(states[0])
         instance.try_step(h)
-        found = instance.directional(UNKNOWNS, (known,), (1.0,))
-        for name, derivative, high, low in zip(UNKNOWNS, found, *ends, strict=True):
+        derivatives = instance.directional(UNKNOWNS, (variable,), (1.0,))
+        for name, derivative, high, low in zip(UNKNOWNS, derivatives, *ends, strict=True):
             expected = (high - low) / (2.0 * delta)
             stiff = level.get("shaft_stiffness") == 1e8
             # A stiff shaft swings: a tenfold delta changes the difference of omega2 by omega2 / omega1
-            scale = max(abs(expected), (0.2 if stiff else 1e-3) * abs(high) / START[known])
+            scale = max(abs(expected), (0.2 if stiff else 1e-3) * abs(high) / START[variable])
             # The reference starts its last step from a state of another tolerance: a stiff shaft is elsewhere
             # in its swings there
-            stiff_share = 5e-2 if known == "drive_torque" else 1e-2
+            stiff_share = 5e-2 if variable == "drive_torque" else 1e-2
             share = stiff_share if stiff else 2e-3
-            assert derivative == pytest.approx(expected, abs=share * scale + 1e-9), (name, known, h)
+            assert derivative == pytest.approx(expected, abs=share * scale + 1e-9), (name, variable, h)
 
 
 def test_directional_derivative_after_a_parameter_is_tuned_is_with_its_new_value(instances):
@@ -85,8 +85,8 @@ def test_directional_derivative_after_a_parameter_is_tuned_is_with_its_new_value
     for instance in (before, after):
         instance.step(0.02)
     after.set(**tuned)
-    found = [instance.directional(UNKNOWNS, ("omega1",), (1.0,)) for instance in (before, after)]
-    assert found[0] == pytest.approx(found[1], rel=1e-4)
+    derivatives = [instance.directional(UNKNOWNS, ("omega1",), (1.0,)) for instance in (before, after)]
+    assert derivatives[0] == pytest.approx(derivatives[1], rel=1e-4)
 
 
 # values of tunable parameters: what is lost at 0 becomes more alone
@@ -100,25 +100,25 @@ TUNABLE = {
 
 
 @pytest.mark.parametrize("level", TUNABLE)
-def test_directional_derivative_by_a_tunable_parameter_is_that_of_runs_and_changes_nothing(instances, level):
+def test_directional_derivative_by_a_tunable_parameter_equals_a_difference_of_runs(instances, level):
     settings = ALL_LEVELS[level] | TUNABLE[level]
     instance, alone = (instances().start(tolerance=1e-6, **START | settings) for _ in range(2))
-    for known in TUNABLE[level]:  # of the start
-        instance.directional(UNKNOWNS, (known,), (1.0,))
+    for parameter in TUNABLE[level]:  # of the start
+        instance.directional(UNKNOWNS, (parameter,), (1.0,))
     for h in (0.01, 0.01, 0.01, 0.01, 0.02):
-        for one in (instance, alone):
-            one.step(h)
+        for each in (instance, alone):
+            each.step(h)
         assert instance.all_values() == alone.all_values()
-    for known, value in TUNABLE[level].items():
-        found = instance.directional(UNKNOWNS, (known,), (1.0,))
+    for parameter, value in TUNABLE[level].items():
+        derivatives = instance.directional(UNKNOWNS, (parameter,), (1.0,))
         delta = 1e-3 * value or 1e-6
         ends = value + delta, value - delta * (value > 0.0)
-        above, below = (outputs_after(instances, settings, 0.02, {known: end}, UNKNOWNS) for end in ends)
-        for name, derivative, high, low in zip(UNKNOWNS, found, above, below, strict=True):
+        above, below = (outputs_after(instances, settings, 0.02, {parameter: end}, UNKNOWNS) for end in ends)
+        for name, derivative, high, low in zip(UNKNOWNS, derivatives, above, below, strict=True):
             expected = (high - low) / (ends[0] - ends[1])
             assert derivative == pytest.approx(expected, rel=2e-3, abs=1e-6 + 1e-9 * abs(high) / delta), name
-    for one in (instance, alone):
-        one.step(0.01)
+    for each in (instance, alone):
+        each.step(0.01)
     assert instance.all_values() == alone.all_values()
 
 
@@ -128,28 +128,30 @@ def test_directional_derivatives_are_linear_in_the_direction(instance):
     by_speed = instance.directional(UNKNOWNS, ("omega1",), (1.0,))
     by_load = instance.directional(UNKNOWNS, ("load_torque",), (1.0,))
     together = instance.directional(UNKNOWNS, ("omega1", "load_torque"), (3.0, -2.0))
-    for one, other, both in zip(by_speed, by_load, together, strict=True):
-        assert both == pytest.approx(3.0 * one - 2.0 * other, rel=1e-4, abs=1e-6 * (abs(one) + abs(other)))
+    for first, second, total in zip(by_speed, by_load, together, strict=True):
+        assert total == pytest.approx(
+            3.0 * first - 2.0 * second, rel=1e-4, abs=1e-6 * (abs(first) + abs(second))
+        )
 
 
-def test_taking_derivatives_changes_nothing(instances, level):
+def test_derivatives_do_not_change_the_run(instances, level):
     watched, alone = (instances().start(tolerance=1e-6, **START, **level) for _ in range(2))
     for n in range(10):
-        for one in (watched, alone):
-            one.set(omega1=100.0 + n, drive_torque=20.0 + n)
-            one.step(0.013)
+        for each in (watched, alone):
+            each.set(omega1=100.0 + n, drive_torque=20.0 + n)
+            each.step(0.013)
         watched.directional(UNKNOWNS, KNOWNS, (1.0, 1.0, 1.0))
         watched.rates("omega2", "input_torque")
         assert watched.all_values() == alone.all_values()
 
 
-def check_rates(plant, found, h, rel):
-    """That rates of outputs are those of the motion that follows, by two short steps."""
+def check_rates(plant, rates, h, rel):
+    """Check that rates of outputs agree with differences over two short steps."""
     rows = []
     for _ in range(3):
         rows.append(plant.snapshot())
         plant.advance(h)
-    for name, rate in found.items():
+    for name, rate in rates.items():
         first, second, third = (row[name] for row in rows)
         expected = (4.0 * second - 3.0 * first - third) / (2.0 * h)
         assert rate == pytest.approx(expected, rel=rel, abs=1e-9 * (1.0 + abs(first)) / h), name
@@ -165,7 +167,7 @@ STANDING = {
 
 
 @pytest.mark.parametrize("state", [*STANDING, "in a pulse"])
-def test_rates_of_outputs_are_those_of_the_motion_that_follows(compiled, followed, state, instances_of):
+def test_rates_of_outputs_agree_with_the_next_step(compiled, followed, state, instances_of):
     """Of a standing shaft, and in the middle of a pulse, far from a switch."""
     no_rate = ("_mean", "_peak", "output_angle", "output_turns")
     for angle in (0.0, 3.15):
@@ -188,7 +190,7 @@ def test_rates_of_outputs_are_those_of_the_motion_that_follows(compiled, followe
 
 
 @pytest.mark.parametrize("load", [0.05, 0.5, 5.0])
-def test_rate_of_the_output_speed_in_lock_up_is_what_the_load_brings(instances, followed, load):
+def test_rate_of_the_output_speed_in_lock_up_follows_from_the_load(instances, followed, load):
     if followed["fidelity"] < 2:
         pytest.skip("only pulses lock up")
     # the output freewheel is on the verge of slip: even the shortest trial step may meet a switch
@@ -200,15 +202,15 @@ def test_rate_of_the_output_speed_in_lock_up_is_what_the_load_brings(instances, 
 
 @pytest.mark.fmi2
 @pytest.mark.parametrize("hold", [0, 1])
-def test_a_rate_holds_for_one_step_and_then_the_input_does_as_its_hold_says(instances, hold):
+def test_rate_of_an_input_applies_to_a_single_step(instances, hold):
     once, again = (instances().start(**START, input_hold=hold) for _ in range(2))
-    for one in (once, again):
-        one.set_rates(omega1=50.0)
-        one.step(0.01)
-        one.set(omega1=100.5)
+    for each in (once, again):
+        each.set_rates(omega1=50.0)
+        each.step(0.01)
+        each.set(omega1=100.5)
     again.set_rates(omega1=0.0)
-    for one in (once, again):
-        one.step(0.01)
+    for each in (once, again):
+        each.step(0.01)
     is_constant = once.all_values() == again.all_values()
     assert is_constant == (hold == 0)
 
@@ -250,7 +252,7 @@ def test_absurd_rates_are_discarded(instance, name, rate):
         (lambda i: i.set_rates(order=2, omega1=1.0), "order of a derivative of omega1 must be 1 (got 2"),
     ],
 )
-def test_derivatives_that_are_not_there_are_refused(instance, call, words):
+def test_missing_derivatives_are_rejected(instance, call, words):
     instance.start(**START)
     instance.step(0.01)
     assert words in instance.refusal(lambda: call(instance))

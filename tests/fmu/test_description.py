@@ -47,24 +47,24 @@ def test_every_variable_is_described_as_in_the_table(description, model):
     if is_fmi3(description):
         assert (time.name, time.causality, time.unit) == ("time", "independent", "s")
         assert time.valueReference == model.time.reference
-    for found, expected in zip(description.modelVariables, model.variables, strict=False):
-        assert (found.name, found.type, found.causality) == (
+    for actual, expected in zip(description.modelVariables, model.variables, strict=False):
+        assert (actual.name, actual.type, actual.causality) == (
             expected.name,
             TYPES.get(expected.kind, expected.kind) if is_fmi3(description) else expected.kind,
             expected.causality,
         )
-        assert (found.variability, found.description) == (expected.variability, expected.description)
-        assert found.valueReference == expected.reference
+        assert (actual.variability, actual.description) == (expected.variability, expected.description)
+        assert actual.valueReference == expected.reference
         if expected.kind == REAL:
-            assert found.displayUnit == variables.DISPLAY_UNITS.get(expected.unit, (None,))[0]
-            assert found.unit == expected.unit != ""
+            assert actual.displayUnit == variables.DISPLAY_UNITS.get(expected.unit, (None,))[0]
+            assert actual.unit == expected.unit != ""
             numbers = {"min": expected.minimum, "max": expected.maximum, "nominal": expected.nominal}
             for name, value in numbers.items():
-                text = getattr(found, name)
+                text = getattr(actual, name)
                 assert (text is None) == (value is None)
                 assert value is None or float(text) == value
         if expected.start is not None:
-            text = {"true": "1", "false": "0"}.get(found.start, found.start)
+            text = {"true": "1", "false": "0"}.get(actual.start, actual.start)
             assert float(text) == expected.start
 
 
@@ -77,7 +77,7 @@ def test_each_variable_is_described_by_words_of_its_own_before_letters(model):
         assert first not in ("its", "their"), text
 
 
-def test_what_is_continuous_and_calculated_can_be_read_in_an_intermediate_update(unpacked, model):
+def test_continuous_outputs_are_readable_in_an_intermediate_update(unpacked, model):
     root = etree.parse(str(unpacked / "modelDescription.xml")).getroot()
     names = [v.get("name") for v in root.find("ModelVariables") if v.get("intermediateUpdate") == "true"]
     calculated = [v for v in model.variables if v.causality not in (INPUT, PARAMETER)]
@@ -86,15 +86,15 @@ def test_what_is_continuous_and_calculated_can_be_read_in_an_intermediate_update
 
 
 def test_units_have_their_base_unit_exponents(description, model):
-    found = {unit.name: unit for unit in description.unitDefinitions}
+    units = {unit.name: unit for unit in description.unitDefinitions}
     of_time = {"s"} if is_fmi3(description) else set()
-    assert set(found) == {variable.unit for variable in model.variables} - {""} | of_time
-    for name, unit in found.items():
+    assert set(units) == {variable.unit for variable in model.variables} - {""} | of_time
+    for name, unit in units.items():
         exponents = variables.UNITS[name]
         for base in ("kg", "m", "s", "rad"):
             assert int(getattr(unit.baseUnit, base)) == exponents.get(base, 0)
     for name, (display, factor) in variables.DISPLAY_UNITS.items():
-        assert [(unit.name, float(unit.factor)) for unit in found[name].displayUnits] == [(display, factor)]
+        assert [(unit.name, float(unit.factor)) for unit in units[name].displayUnits] == [(display, factor)]
 
 
 def test_choices_are_enumerations_with_their_numbers(description, model):
@@ -102,9 +102,9 @@ def test_choices_are_enumerations_with_their_numbers(description, model):
     assert {t.name for t in description.typeDefinitions} == used
     for name in used:
         items = variables.ENUMERATIONS[name]
-        (found,) = [t for t in description.typeDefinitions if t.name == name]
-        assert [(item.name, int(item.value)) for item in found.items] == [(i, n) for i, n, _ in items]
-        assert [number for _, number, _ in items] == list(range(len(items)))  # the shell knows ranges
+        (result,) = [t for t in description.typeDefinitions if t.name == name]
+        assert [(item.name, int(item.value)) for item in result.items] == [(i, n) for i, n, _ in items]
+        assert [number for _, number, _ in items] == list(range(len(items)))  # the shell checks ranges
 
 
 def dependencies(description):
@@ -112,7 +112,7 @@ def dependencies(description):
     return {u.variable.name: {d.name for d in u.dependencies} for u in description.initialUnknowns}
 
 
-def test_structure_lists_every_output_and_what_it_depends_on_at_first(description, model, opened):
+def test_structure_lists_outputs_and_their_initial_dependencies(description, model, opened):
     outputs = [v.name for v in description.modelVariables if v.causality == "output"]
     assert [unknown.variable.name for unknown in description.outputs] == outputs
     assert all(unknown.dependencies == [] for unknown in description.outputs)
@@ -150,14 +150,14 @@ def neighbours(variable, value):
     return [min(max(value + end, variable.minimum), variable.maximum) for end in (change, -change)]
 
 
-def test_outputs_at_the_start_depend_on_what_is_declared_by_the_derivatives_given(of_fmi3, instances_of):
+def test_declared_initial_dependencies_agree_with_derivatives(of_fmi3, instances_of):
     description, _ = of_fmi3
     model = MODELS[description.modelName]
     instances = functools.partial(instances_of, description.modelName)
     initial = dependencies(description)
     for start in STARTS[model]:
-        one, other = instances(), instances()
-        for instance in (one, other):
+        first, second = instances(), instances()
+        for instance in (first, second):
             instance.fmu.setupExperiment()
             instance.set(**BASE[model], **start)
             instance.fmu.enterInitializationMode()
@@ -165,31 +165,31 @@ def test_outputs_at_the_start_depend_on_what_is_declared_by_the_derivatives_give
         for variable in model.with_causality(INPUT, PARAMETER):
             if averaged and (variable.group == variables.Group.LOSSES or variable.name in OF_MAP):
                 continue  # each of them takes a map of its own
-            value = other.get(variable.name)
+            value = second.get(variable.name)
             ends, rows = neighbours(variable, value), []
             for end in ends:
-                other.set(**{variable.name: end})
+                second.set(**{variable.name: end})
                 try:
-                    rows.append([other.get(name) for name in initial])
+                    rows.append([second.get(name) for name in initial])
                 except FMICallException:  # it does not go with the others
                     assert variable.kind != REAL or variable.name.endswith("engagement_angle")
-            other.set(**{variable.name: value})
+            second.set(**{variable.name: value})
             if len(rows) < 2:
                 continue
             for name, high, low in zip(initial, *rows, strict=True):
                 assert high == low or variable.name in initial[name], (name, variable.name, start)
             if averaged or variable.kind != REAL:
                 continue
-            found = one.directional(list(initial), [variable.name], [2.0])
-            for name, slope, high, low in zip(initial, found, *rows, strict=True):
+            derivatives = first.directional(list(initial), [variable.name], [2.0])
+            for name, slope, high, low in zip(initial, derivatives, *rows, strict=True):
                 expected = 2.0 * (high - low) / (ends[0] - ends[1])
                 allowed = pytest.approx(expected, rel=1e-3, abs=1e-4 * (1.0 + abs(high)))
                 assert slope == allowed, (name, variable.name, start)
                 assert slope == 0.0 or variable.name in initial[name], (name, variable.name)
-        for instance in (one, other):
+        for instance in (first, second):
             instance.fmu.exitInitializationMode()
             instance.step(0.01)
-        assert one.all_values() == other.all_values()
+        assert first.all_values() == second.all_values()
 
 
 def test_capabilities_default_experiment_and_date_are_declared(description, model):
@@ -198,7 +198,7 @@ def test_capabilities_default_experiment_and_date_are_declared(description, mode
     assert cs.canGetAndSetFMUstate
     assert cs.canSerializeFMUstate
     assert not cs.canBeInstantiatedOnlyOncePerProcess
-    assert not cs.needsExecutionTool  # PyFMI refuses an FMU that needs one; Python is a library
+    assert not cs.needsExecutionTool  # PyFMI rejects FMUs with an execution tool; Python is a library
     # the Python FMU can no more than pythonfmu
     native = description.modelName != "InertiaModulePy"
     if is_fmi3(description):
@@ -235,7 +235,7 @@ def terminals_in(folder):
     }
 
 
-def test_icons_of_flanges_are_there_and_lie_at_the_edge_of_that_of_the_model(of_fmi3):
+def test_icons_of_flanges_are_at_the_edge_of_the_icon_of_the_model(of_fmi3):
     folder = of_fmi3[1] / "terminalsAndIcons"
     root = etree.parse(str(folder / "terminalsAndIcons.xml")).getroot()
     (edge,) = root.iter("Icon")
@@ -255,13 +255,13 @@ def test_icons_of_flanges_are_there_and_lie_at_the_edge_of_that_of_the_model(of_
     assert len(places) == len(drawn)
 
 
-def test_each_flange_has_a_speed_and_a_torque_of_which_one_is_given(of_fmi3):
+def test_each_flange_has_a_speed_and_a_torque_and_a_single_input(of_fmi3):
     description, unpacked = of_fmi3
     described = {variable.name: variable for variable in description.modelVariables}
-    found = terminals_in(unpacked)
-    assert "load" in found
-    assert len(found) > 1
-    for members in found.values():
+    terminals = terminals_in(unpacked)
+    assert "load" in terminals
+    assert len(terminals) > 1
+    for members in terminals.values():
         speed, torque = (described[members[name][0]] for name in ("speed", "torque"))
         assert (speed.unit, torque.unit) == ("rad/s", "N.m")
         assert {speed.causality, torque.causality} == {"input", "output"}
@@ -272,25 +272,23 @@ def test_each_flange_has_a_speed_and_a_torque_of_which_one_is_given(of_fmi3):
 
 
 @pytest.mark.parametrize("drive", [0, 1])
-def test_torques_at_the_flanges_bring_power_in_or_take_it_out_as_their_kinds_say(
-    of_fmi3, instances_of, drive
-):
-    """The energy audit agrees: what comes in by inflows is energy_in, what goes by outflows energy_out."""
+def test_direction_of_power_at_flanges_agrees_with_their_kind(of_fmi3, instances_of, drive):
+    """Energy through inflows is energy_in, energy through outflows is energy_out."""
     description, unpacked = of_fmi3
     instance = instances_of(description.modelName)
-    start, given = {"omega1": 100.0, "load_torque": 10.0, "input_inertia": 1.0}, "input_flange"
+    start, flange = {"omega1": 100.0, "load_torque": 10.0, "input_inertia": 1.0}, "input_flange"
     if description.modelName == "DrivenShaft3":
-        start, given = {"hub_speed": 20.0, "load_torque": 3.0, "omega_out_start": 20.0}, "hub"
+        start, flange = {"hub_speed": 20.0, "load_torque": 3.0, "omega_out_start": 20.0}, "hub"
     elif drive == 1:
         start |= {"drive": 1, "drive_torque": 20.0}
-        given = "input_flange_by_torque"
+        flange = "input_flange_by_torque"
     instance.start(**start)
     ends = terminals_in(unpacked)
-    for terminal, kind, energy in ((given, "inflow", "energy_in"), ("load", "outflow", "energy_out")):
+    for terminal, kind, energy in ((flange, "inflow", "energy_in"), ("load", "outflow", "energy_out")):
         assert ends[terminal]["torque"][1] == kind
         ends[terminal] = [ends[terminal][name][0] for name in ("speed", "torque")]
         ends[terminal].append(energy)
-    done = {given: 0.0, "load": 0.0}
+    done = {flange: 0.0, "load": 0.0}
     for _ in range(200):
         before = {terminal: instance.get(ends[terminal][0]) for terminal in done}
         instance.step(1e-3)
@@ -301,7 +299,7 @@ def test_torques_at_the_flanges_bring_power_in_or_take_it_out_as_their_kinds_say
         assert work == pytest.approx(instance.get(ends[terminal][2]), rel=2e-2)
 
 
-def test_terminals_that_fit_are_wired_as_by_names(opened):
+def test_matching_terminals_are_connected_like_names(opened):
     """So coupled by the FMU Manipulation Toolbox, module and shaft have the bits of any other host."""
     (module, folder), (_, other_folder) = opened("InertiaModule3"), opened("DrivenShaft3")
     flange, hub = terminals_in(folder)["output_flange"], terminals_in(other_folder)["hub"]

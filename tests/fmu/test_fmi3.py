@@ -1,4 +1,4 @@
-"""FMI 3.0: the results of FMI 2.0, and what is new: events, intermediate updates, adjoint derivatives."""
+"""Test FMI 3.0: results of FMI 2.0, events, intermediate updates, adjoint derivatives."""
 
 import numpy as np
 import pytest
@@ -100,7 +100,7 @@ def test_a_host_may_go_on_without_event_mode(instances, settings):
     assert passing.all_values() == ignoring.all_values()
     # one that was made for it, and steps on all the same
     careless = started(instances, **settings)
-    run(careless, 0.01, 20, handle=lambda one: None)
+    run(careless, 0.01, 20, handle=lambda instance: None)
     assert careless.get("omega_out") == passing.get("omega_out")
 
 
@@ -109,8 +109,8 @@ def test_a_host_may_go_on_without_event_mode(instances, settings):
 def test_discrete_values_change_in_event_mode_only_and_only_events_return_early(
     instances, description, level, early
 ):
-    found = [v for v in description.modelVariables if v.variability == "discrete"]
-    names = [v.name for v in found if v.causality not in ("input", "parameter")]
+    discrete = [v for v in description.modelVariables if v.variability == "discrete"]
+    names = [v.name for v in discrete if v.causality not in ("input", "parameter")]
     assert names == ["housing_engagements", "output_engagements", "contact_mode", "contact_switches"]
     settings = {"tolerance": 1e-9, **R1, "drive_torque": 30.0, **LEVELS[level]}
     instance = instances(eventModeUsed=True, earlyReturnAllowed=early).start(**settings)
@@ -143,7 +143,7 @@ def test_discrete_values_change_in_event_mode_only_and_only_events_return_early(
 
 
 @pytest.mark.parametrize("early", [False, True])
-def test_a_pending_event_is_part_of_the_state_and_what_follows_has_the_same_bits(instances, early):
+def test_state_includes_a_pending_event(instances, early):
     modes = {"eventModeUsed": True, "earlyReturnAllowed": early}
     instance, other = (instances(**modes).start(**R1) for _ in range(2))
     pass_event(instance)
@@ -153,11 +153,11 @@ def test_a_pending_event_is_part_of_the_state_and_what_follows_has_the_same_bits
     *_, returned, reached = event
     assert returned == early
     other.restore(instance.saved())
-    for one in (instance, other):
-        assert one.get("contact_mode") == before
-        handle_event(one)
-        assert one.get("contact_mode") != before
-        one.fmu.doStep(reached, 0.01)
+    for each in (instance, other):
+        assert each.get("contact_mode") == before
+        handle_event(each)
+        assert each.get("contact_mode") != before
+        each.fmu.doStep(reached, 0.01)
     values = instance.all_values()
     assert values == other.all_values()
     instance.fmu.terminate()
@@ -176,29 +176,32 @@ def test_parameters_and_inputs_may_change_at_an_event(instances):
     assert abs(instance.get("energy_residual")) < 1e-5
 
 
-def test_intermediate_update_shows_every_switch_and_changes_nothing(instances):
+def test_intermediate_update_reports_every_switch_without_changing_the_run(instances):
     seen = []
     holder = []
 
     def update(_, time, set_requested, get_allowed, finished, can_return, __, ___):
         assert (bool(set_requested), bool(get_allowed), bool(can_return)) == (False, True, False)
         assert holder[0].fmu.getFloat64([holder[0].clock]) == [time]
-        said = holder[0].refusal(lambda: holder[0].set(omega1=50.0))
+        message = holder[0].refusal(lambda: holder[0].set(omega1=50.0))
         assert (
-            said == "setting omega1 is allowed only between steps (the instance is in an intermediate update)"
+            message
+            == "setting omega1 is allowed only between steps (the instance is in an intermediate update)"
         )
-        said = holder[0].refusal(holder[0].fmu.terminate)
-        assert said == "terminate is allowed only between steps (the instance is in an intermediate update)"
+        message = holder[0].refusal(holder[0].fmu.terminate)
+        assert (
+            message == "terminate is allowed only between steps (the instance is in an intermediate update)"
+        )
         seen.append((time, bool(finished), holder[0].get("contact_mode")))
 
     watched, plain = instances(intermediateUpdate=update).start(**R1), instances().start(**R1)
     holder.append(watched)
     for _ in range(20):
-        shown = len(seen)
+        count = len(seen)
         before = watched.get("contact_mode")
         watched.step(0.01)
         plain.step(0.01)
-        assert {mode for *_, mode in seen[shown:]} == {before}
+        assert {mode for *_, mode in seen[count:]} == {before}
     assert watched.all_values() == plain.all_values()
     times = run(started(instances, **R1), 0.01, 20)
     assert [time for time, finished, _ in seen if not finished] == pytest.approx(times, abs=1e-12)
@@ -234,10 +237,12 @@ def test_adjoint_derivatives_are_the_transposed_of_the_directional_ones(instance
     instance.step(0.01)
     outputs, inputs = ("omega_out", "input_torque_mean", "output_torque_mean"), ("omega1", "load_torque")
     unknowns, knowns = ([instance.references[name] for name in names] for names in (outputs, inputs))
-    columns = np.array([instance.fmu.getDirectionalDerivative(unknowns, [known], [1.0]) for known in knowns])
+    columns = np.array(
+        [instance.fmu.getDirectionalDerivative(unknowns, [variable], [1.0]) for variable in knowns]
+    )
     for seed in ([1.0, 0.0, 0.0], [0.3, -2.0, 5.0]):
-        found = instance.fmu.getAdjointDerivative(unknowns, knowns, seed, nSensitivity=2)
-        assert found == pytest.approx(columns @ seed, rel=1e-12)
+        adjoint = instance.fmu.getAdjointDerivative(unknowns, knowns, seed, nSensitivity=2)
+        assert adjoint == pytest.approx(columns @ seed, rel=1e-12)
     instance.refusal(lambda: instance.fmu.getAdjointDerivative(knowns, unknowns, [1.0, 1.0]), fmi3Error)
 
 
@@ -250,12 +255,12 @@ def test_modes_follow_each_other_in_order_only(instances, event_mode):
         assert "with eventModeUsed = true" in instance.refusal(instance.fmu.enterEventMode)
         return
     instance.fmu.enterEventMode()
-    said = instance.refusal(lambda: instance.fmu.doStep(0.0, 0.01))
-    assert said == "doStep is allowed only in step mode (the instance is in event mode)"
+    message = instance.refusal(lambda: instance.fmu.doStep(0.0, 0.01))
+    assert message == "doStep is allowed only in step mode (the instance is in event mode)"
     instance.refusal(lambda: instance.set(output_friction=-1.0), fmi3Discard)
 
 
-def test_what_is_not_offered_is_refused_by_name(instance):
+def test_unsupported_functions_are_rejected_by_name(instance):
     instance.start(**R1)
     fmu = instance.fmu
     assert "no variables of type Float32" in instance.refusal(lambda: fmu.getFloat32([0]))

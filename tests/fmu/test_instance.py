@@ -20,7 +20,7 @@ def fmu(fmu_path):
 # --- states ---
 
 
-def test_what_is_no_state_is_refused_and_the_run_goes_on(fmu):
+def test_invalid_state_is_rejected_and_the_run_continues(fmu):
     before = fmu.save()
     for junk in (b"junk", b"", bytes(19232), "junk", None, 7):
         assert "state" in refusal(fmu.restore, junk, 5.0)
@@ -30,7 +30,7 @@ def test_what_is_no_state_is_refused_and_the_run_goes_on(fmu):
     assert fmu["omega_out"] > 0.0
 
 
-def test_a_state_of_another_instance_is_refused_and_one_that_nobody_has_is_freed(fmu, fmu_path):
+def test_state_of_another_instance_is_rejected_and_an_unused_state_is_freed(fmu, fmu_path):
     kept, forgotten = fmu.get_state(), fmu.get_state()
     state = forgotten.state
     assert state.value
@@ -61,7 +61,7 @@ USES = (
 )
 
 
-def test_a_closed_instance_says_that_it_is_closed(fmu_path):
+def test_closed_instance_raises_an_error(fmu_path):
     fmu = Fmu(fmu_path)
     fmu.close()
     fmu.close()
@@ -96,17 +96,17 @@ def test_values_may_have_units_and_names(fmu_path):
     "name, value, words",
     [*REFUSED["values"], ("imbalance_mass", None, "must be a number in kg.* .got None.")],
 )
-def test_what_is_no_value_is_refused_by_name(fmu_path, name, value, words):
+def test_invalid_value_is_rejected_by_name(fmu_path, name, value, words):
     assert_refused(f"^{name} {words}", Fmu, fmu_path, {name: value})
 
 
 @pytest.mark.parametrize("bad", [{"omega2_": 1.0}, {"load_torque": "10 rpm"}])
-def test_one_bad_value_keeps_all_others_out(fmu, bad):
+def test_no_value_is_set_if_any_value_is_invalid(fmu, bad):
     refusal(fmu.set, omega1=7.0, **bad)
     assert fmu["omega1"] == 100.0
 
 
-def test_one_name_may_stand_for_names(fmu, fmu_path):
+def test_single_name_is_accepted_as_names(fmu, fmu_path):
     assert fmu.read("omega_out") == fmu.read(("omega_out",))
     table = simulate_fmu(fmu_path, R1, 0.02, 0.01, outputs="omega_out")
     assert table.names == ["time", "omega1", "load_torque", "omega_out"]
@@ -126,11 +126,11 @@ def test_a_text_or_an_array_is_no_number_and_is_named(fmu, changes, words):
 
 
 @pytest.mark.parametrize("stop_time", [1e-3, 1e-29])
-def test_stop_time_far_below_the_step_is_one_step(fmu_path, stop_time):
+def test_stop_time_far_below_the_step_is_a_single_step(fmu_path, stop_time):
     assert simulate_fmu(fmu_path, R1, stop_time, 1e7).time.tolist() == [0.0, stop_time]
 
 
-def test_run_of_too_many_steps_is_refused_before_it_takes_the_memory(fmu_path):
+def test_run_with_too_many_steps_is_rejected_before_memory_is_allocated(fmu_path):
     words = r"step must be at least 1 s, for at most 100,000,000 steps \(got 1e-12\)$"
     assert_refused(words, simulate_fmu, fmu_path, R1, 1e8, 1e-12)
 
@@ -156,12 +156,12 @@ def test_columns_in_other_units_run_as_in_si(fmu_path, tmp_path):
 
 
 @pytest.mark.parametrize("heading, words", REFUSED["headings"])
-def test_a_column_that_could_be_misunderstood_is_refused(fmu_path, tmp_path, heading, words):
+def test_ambiguous_column_is_rejected(fmu_path, tmp_path, heading, words):
     (tmp_path / "rig.csv").write_text(f"time,{heading}\n0,1\n1,2\n")
     assert_refused(words, run, fmu_path, tmp_path / "rig.csv")
 
 
-def test_what_a_rig_has_measured_comes_along_beside_what_is_computed(fmu_path, tmp_path):
+def test_measured_columns_are_part_of_the_result(fmu_path, tmp_path):
     (tmp_path / "rig.csv").write_text(
         "time,omega1,load_torque,omega_out [rpm],energy_in [kJ],contact_mode\n"
         "0,100,4,0,0,0\n0.05,100,4,60,1,2\n"
@@ -181,7 +181,7 @@ WIDE = (
 )
 
 
-def test_columns_that_the_fmu_does_not_know_are_left_out_with_a_warning(fmu_path, tmp_path):
+def test_unknown_columns_are_ignored_with_a_warning(fmu_path, tmp_path):
     (tmp_path / "rig.csv").write_text(WIDE)
     with pytest.warns(UserWarning, match="not inputs or readable outputs of .* are ignored: ") as caught:
         table = run(fmu_path, tmp_path / "rig.csv")
@@ -198,7 +198,7 @@ def test_columns_that_the_fmu_does_not_know_are_left_out_with_a_warning(fmu_path
     assert_refused("unknown input or output 'note'", run, fmu_path, {"omega1": 100.0, "note": 1.0})
 
 
-def test_times_that_are_not_of_the_run_are_rejected_or_warned_of(fmu_path, tmp_path):
+def test_times_outside_the_run_are_rejected_or_cause_a_warning(fmu_path, tmp_path):
     (tmp_path / "rig.csv").write_text("time,omega1\n1700000000,100\n1700000001,101\n")
     words = (
         r"times of .*rig\.csv must be within the run, 0 to 0\.05 s \(got 1700000000 to .* seconds since 1970"
@@ -217,14 +217,14 @@ def test_two_rows_of_the_same_time_are_a_step(fmu_path, tmp_path):
 
 
 @pytest.mark.parametrize("name, value", [("stop_time", 0.0), ("step", -0.1), ("step", float("nan"))])
-def test_a_run_of_no_length_is_refused(fmu_path, name, value):
+def test_run_without_duration_is_rejected(fmu_path, name, value):
     times = {"stop_time": 1.0, "step": 0.1, name: value}
     assert_refused(
         rf"{name} must be a positive number of seconds \(got {value}\)", simulate_fmu, fmu_path, R1, **times
     )
 
 
-def test_rates_of_inputs_are_refused_where_fmi_has_none(fmu_path):
+def test_rates_of_inputs_are_rejected_in_fmi_3(fmu_path):
     if not fmu_path.stem.endswith("3"):
         pytest.skip("FMI 2.0 has them")
     with Fmu(fmu_path, inputs=R1) as fmu, pytest.raises(FmuError, match="does not support input derivatives"):

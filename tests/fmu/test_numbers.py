@@ -1,6 +1,6 @@
-"""Numbers of the FMUs: in every scene at every level the bits of the model in memory.
+"""Test that the FMUs have the bits of the model in memory, in every scene at every level.
 
-What the model computes, check values, loads, balances and long runs among it, is told by the unit tests.
+The unit tests cover the model: check values, loads, balances and long runs.
 """
 
 import shutil
@@ -31,21 +31,19 @@ COUNT = 12
 SPRUNG = {"driven_friction": 0.2, "balancer": 0.3}
 
 
-def test_tolerance_of_the_experiment_wins_over_the_parameter_and_changes_nothing_of_a_shaft(
-    instances, instances_of
-):
+def test_tolerance_of_the_experiment_overrides_the_parameter(instances, instances_of):
     loose, won = instances().start(**R1), instances().start(tolerance=1e-10, **R1)
-    for one in (loose, won):
-        one.step(1.0)
+    for each in (loose, won):
+        each.step(1.0)
     assert won.get("tolerance") == 1e-10
     assert won.get("rhs_evaluations") > 1.5 * loose.get("rhs_evaluations")
-    loose, given = (
+    loose, exact = (
         instances_of("DrivenShaft").start(tolerance=tolerance, hub_speed=20.0, load_torque=3.0)
         for tolerance in (1e-3, None)
     )
-    for one in (loose, given):
-        one.step(0.1)
-    assert loose.all_values() == given.all_values()
+    for each in (loose, exact):
+        each.step(0.1)
+    assert loose.all_values() == exact.all_values()
 
 
 def driven(target, first=0):
@@ -68,23 +66,23 @@ def check_bits_and_state(instances, memory, settings, tuned):
     Beside it another instance runs in its own way.
     """
     instance, other, beside = instances(), instances(), instances().start(load_torque=1.0)
-    for one in (instance, memory):
-        one.start(**settings)
+    for each in (instance, memory):
+        each.start(**settings)
     assert instance.snapshot() == memory.snapshot(), settings
     rows = driven(instance)
     beside.step(0.05)
     assert rows == driven(memory), settings
-    for one in (instance, memory):
-        one.set(**tuned)
+    for each in (instance, memory):
+        each.set(**tuned)
     assert instance.snapshot() == memory.snapshot() == rows[-1] | tuned, settings
-    kept = instance.fmu.getFMUstate()
-    other.restore(instance.fmu.serializeFMUstate(kept))
+    saved = instance.fmu.getFMUstate()
+    other.restore(instance.fmu.serializeFMUstate(saved))
     onwards = driven(memory, COUNT)
     assert driven(instance, COUNT) == onwards, settings
-    instance.fmu.setFMUstate(kept)
+    instance.fmu.setFMUstate(saved)
     assert driven(instance, COUNT) == onwards, settings
     assert driven(other, COUNT) == onwards, settings
-    instance.fmu.freeFMUstate(kept)
+    instance.fmu.freeFMUstate(saved)
 
 
 @pytest.mark.parametrize("level", LEVELS.items(), ids=lambda level: level[0])
@@ -113,13 +111,13 @@ def test_fmu_is_the_shaft_in_memory_and_so_is_its_state(instances_of, identifier
         (DrivenShaft, {"hub_speed": 10.0, "load_torque": 1.0}, {"hub_speed": 5.0, "load_torque": 2.0}),
     ],
 )
-def test_given_rates_of_inputs_are_followed_exactly(instances_of, model, start, rates):
+def test_rates_of_inputs_are_followed_exactly(instances_of, model, start, rates):
     memory, instance = model().start(**start), instances_of(model.model.name).start(**start)
-    for one in (memory, instance):
+    for each in (memory, instance):
         for n in range(20):
-            one.set(**{name: start[name] * (1.0 + 0.04 * n) for name in rates})
-            one.set_rates(**rates)
-            one.advance(0.01)
+            each.set(**{name: start[name] * (1.0 + 0.04 * n) for name in rates})
+            each.set_rates(**rates)
+            each.advance(0.01)
     assert instance.all_values() == memory.snapshot()
     assert instance.get("omega_out") != 0.0
 

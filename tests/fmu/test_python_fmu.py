@@ -46,7 +46,7 @@ def drive(path, blocked=(), **environment):
     return process("-c", code, **environment).stdout.splitlines()
 
 
-def test_it_runs_the_compiled_kernel_it_brings_along_or_plain_python_when_asked_to(fmu_path, tmp_path):
+def test_runs_its_compiled_kernel_or_plain_python(fmu_path, tmp_path):
     """On a host with no compiler, in a folder of any name, with the same bits."""
     cache = tmp_path / "cache"
     expected = drive(fmu_path, ("ziglang",), INERTIA_MODULE_CACHE=str(cache))
@@ -60,13 +60,13 @@ def test_it_runs_the_compiled_kernel_it_brings_along_or_plain_python_when_asked_
         assert drive(fmu_path, INERTIA_MODULE_CACHE=str(tmp_path / name)) == expected, name
 
 
-def test_an_unknown_kernel_and_a_folder_that_pythonfmu_cannot_read_are_refused(fmu_path, tmp_path):
-    (said,) = drive(fmu_path, INERTIA_MODULE_KERNEL="fast")
-    assert "kernel must be auto, compiled or plain (got 'fast')" in said
+def test_unknown_kernel_and_unreadable_folder_are_rejected(fmu_path, tmp_path):
+    (message,) = drive(fmu_path, INERTIA_MODULE_KERNEL="fast")
+    assert "kernel must be auto, compiled or plain (got 'fast')" in message
     (tmp_path / "50%20off").mkdir()
-    (said,) = drive(fmu_path, INERTIA_MODULE_CACHE=str(tmp_path / "50%20off"))
-    assert "the resource location must be the URI of this FMU's resources" in said
-    assert "50%2520off" in said
+    (message,) = drive(fmu_path, INERTIA_MODULE_CACHE=str(tmp_path / "50%20off"))
+    assert "the resource location must be the URI of this FMU's resources" in message
+    assert "50%2520off" in message
 
 
 def test_a_state_is_saved_when_the_folder_of_an_earlier_instance_is_gone(fmu_path):
@@ -81,7 +81,7 @@ def test_a_state_is_saved_when_the_folder_of_an_earlier_instance_is_gone(fmu_pat
     assert process("-c", program, fmu_path).stdout == "True\n"
 
 
-def test_two_different_builds_live_in_one_process(monkeypatch, tmp_path, fmu_path):
+def test_two_builds_run_in_a_process(monkeypatch, tmp_path, fmu_path):
     files = python_fmu.bundled_files()
     source = files["interface/variables.py"].decode()
     assert '"inertia J2 of link 2", 0.005' in source
@@ -89,11 +89,11 @@ def test_two_different_builds_live_in_one_process(monkeypatch, tmp_path, fmu_pat
     monkeypatch.setattr(python_fmu, "bundled_files", lambda: files)
     path = tmp_path / "InertiaModulePy.fmu"
     path.write_bytes(builder.content_of(builder.PYTHON_FMU))
-    with Fmu(fmu_path, inputs=R1) as ours, Fmu(path, inputs=R1) as other:
-        for one in (ours, other):
-            one.advance(0.1)
-        assert (ours["link2_inertia"], other["link2_inertia"]) == (0.005, 0.0075)
-        assert ours["omega_out"] != other["omega_out"]
+    with Fmu(fmu_path, inputs=R1) as first, Fmu(path, inputs=R1) as second:
+        for each in (first, second):
+            each.advance(0.1)
+        assert (first["link2_inertia"], second["link2_inertia"]) == (0.005, 0.0075)
+        assert first["omega_out"] != second["omega_out"]
 
 
 def instantiated(description, folder, location, name=b"host", guid=None, logger=None):
@@ -119,14 +119,14 @@ def location(unpacked):
     return (unpacked / "resources").as_uri().encode()
 
 
-def said_at(location, description, folder):
+def messages_at(location, description, folder):
     """Message to a host that gives a location of the resources; None if an instance is made."""
     fmu, log = instantiated(description, folder, location)
     if fmu.component:
         fmu.fmi2FreeInstance(fmu.component)
         return None
-    (said,) = log.messages
-    return said
+    (message,) = log.messages
+    return message
 
 
 @pytest.fixture(params=["plain", "Jürgen 100%"])
@@ -157,7 +157,7 @@ def moved(request, unpacked, tmp_path):
     ],
 )
 def test_hosts_may_write_the_location_of_the_resources_as_they_do(description, moved, form):
-    assert said_at(form(moved / "resources").encode(), description, moved) is None
+    assert messages_at(form(moved / "resources").encode(), description, moved) is None
 
 
 @pytest.mark.parametrize(
@@ -167,9 +167,9 @@ def test_hosts_may_write_the_location_of_the_resources_as_they_do(description, m
         *(b"f", b"FILE", b"file:", b"file://", b"file:///%FC", b"files:///tmp"),
     ],
 )
-def test_a_location_that_is_none_is_refused_by_a_sentence(description, unpacked, location):
-    said = said_at(location, description, unpacked)
-    assert said.startswith("the resource location must be the URI of")
+def test_invalid_resource_location_is_rejected(description, unpacked, location):
+    message = messages_at(location, description, unpacked)
+    assert message.startswith("the resource location must be the URI of")
 
 
 # Latin-1, a lone surrogate, more than Python takes for a file name, formats of printf
@@ -182,9 +182,7 @@ NAMES = {
 
 
 @pytest.mark.parametrize("name", NAMES.values(), ids=NAMES)
-def test_an_instance_name_may_be_in_any_encoding_and_comes_back_in_messages(
-    description, unpacked, location, name
-):
+def test_instance_name_in_any_encoding_is_part_of_messages(description, unpacked, location, name):
     names = []
     logger = fmi2CallbackLoggerTYPE(lambda environment, instance, *message: names.append(instance))
     fmu, _ = instantiated(description, unpacked, location, name, logger=logger)
@@ -204,7 +202,7 @@ def test_an_fmu_of_another_build_is_not_instantiated(description, unpacked, loca
     assert log.messages == ["the GUID must match modelDescription.xml: import the FMU again"]
 
 
-def test_the_log_is_what_was_asked_for(fmu_path):
+def test_log_contains_the_enabled_categories(fmu_path):
     with Fmu(fmu_path, inputs={"omega1": 100.0}) as fmu:
         assert fmu.messages == ["the kernel is compiled"]
         fmu.set_logging(False, "logStatusDiscard")
@@ -232,13 +230,13 @@ def test_a_forged_number_of_a_state_is_no_index_and_no_choice(instance):
             memory.restore(good[HEAD_SIZE:])
             setattr(attrgetter(record)(memory), name, value)
             forged = good[:HEAD_SIZE] + memory.save()
-            said = instance.refusal(lambda state=forged: instance.restore(state))
-            assert "must be saved by this build (it is damaged" in said, f"{name} = {value}"
+            message = instance.refusal(lambda state=forged: instance.restore(state))
+            assert "must be saved by this build (it is damaged" in message, f"{name} = {value}"
             assert instance.all_values() == before, f"{name} = {value}"
         assert not instance.is_discarded(0.1), name
 
 
-def test_a_state_with_a_forged_head_or_from_before_the_start_is_refused_and_nothing_is_lost(instances):
+def test_forged_or_early_state_is_rejected_without_effect(instances):
     fresh, running = instances(), instances().start(omega1=100.0)
     for state, byte, value, words in (
         *((running.saved(), *forged, NO_STATE) for forged in ((0, 5), (0, 255), (17, 200), (20, 255))),
@@ -249,7 +247,7 @@ def test_a_state_with_a_forged_head_or_from_before_the_start_is_refused_and_noth
         assert not running.is_discarded(0.1)
 
 
-def test_a_state_of_initialization_mode_is_calculated_anew_where_it_is_restored(instance):
+def test_restored_state_of_initialization_mode_is_evaluated_again(instance):
     instance.fmu.setupExperiment()
     instance.set(omega1=50.0)
     instance.fmu.enterInitializationMode()
@@ -288,7 +286,7 @@ def test_saving_and_deserialising_over_a_state_takes_no_more_memory(instance):
 
 
 @has_statm
-def test_states_that_the_host_does_not_free_go_with_their_instance(description, unpacked, location):
+def test_states_are_freed_with_their_instance(description, unpacked, location):
     before = memory_in_use()
     for _ in range(20):
         fmu, _ = instantiated(description, unpacked, location)
@@ -299,15 +297,15 @@ def test_states_that_the_host_does_not_free_go_with_their_instance(description, 
 
 
 def test_a_state_of_another_instance_is_an_error(instances):
-    one, other = (instances().start(omega1=100.0) for _ in range(2))
-    state = other.fmu.getFMUstate()
+    first, second = (instances().start(omega1=100.0) for _ in range(2))
+    state = second.fmu.getFMUstate()
     words = "a state must be saved by this instance and not yet freed"
-    uses = (one.fmu.setFMUstate, one.fmu.serializeFMUstate, one.fmu.freeFMUstate)
-    assert [one.refusal(partial(use, state)) for use in uses] == 3 * [words]
-    other.fmu.setFMUstate(state)
+    uses = (first.fmu.setFMUstate, first.fmu.serializeFMUstate, first.fmu.freeFMUstate)
+    assert [first.refusal(partial(use, state)) for use in uses] == 3 * [words]
+    second.fmu.setFMUstate(state)
 
 
-def test_a_state_is_freed_once_however_often_it_is_asked_for(instance):
+def test_state_is_freed_only_once(instance):
     instance.start(omega1=100.0)
     instance.step(0.1)
     library, component = instance.fmu.dll, instance.fmu.component
@@ -326,7 +324,7 @@ KINDS = ("Real", "Integer", "Boolean")
 
 
 @pytest.mark.parametrize("call", [f"{call}{kind}" for call in ("Get", "Set") for kind in KINDS])
-def test_null_pointers_are_rejected_and_the_instance_goes_on(instance, call):
+def test_null_pointers_are_rejected_and_the_instance_continues(instance, call):
     instance.start(omega1=100.0)
     instance.step(0.1)
     before = instance.all_values()

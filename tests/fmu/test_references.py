@@ -45,14 +45,14 @@ def changed(path, folder, case):
     return copy
 
 
-def test_results_of_an_fmu_are_those_that_it_carries_along(fmu_path):
+def test_results_of_an_fmu_agree_with_its_references(fmu_path):
     report = examine(fmu_path, Journal())
     assert report.problems == [] == report.warnings
     assert len(report.references) == (6 if "Shaft" in fmu_path.name else 22)
     assert max(one.deviation / one.allowed for one in report.references) < 0.1
 
 
-def test_each_file_that_a_manifest_or_the_metadata_name_is_there(unpacked):
+def test_files_of_manifest_and_metadata_exist(unpacked):
     for file in (unpacked / CARRIED / "fmi-ls-manifest.xml", unpacked / METADATA):
         named = etree.parse(file).xpath("//@source | //@*[local-name() = 'href']")
         beside = [name for name in named if "://" not in name]
@@ -61,7 +61,7 @@ def test_each_file_that_a_manifest_or_the_metadata_name_is_there(unpacked):
 
 
 @pytest.mark.parametrize("model", MODELS.values(), ids=lambda model: model.name)
-def test_what_is_carried_along_is_what_the_reference_gives_today(model, tmp_path):
+def test_references_in_the_fmu_are_up_to_date(model, tmp_path):
     made, kept = files(model), package_folder(model)
     assert {kept / name for name in made} == {path for path in kept.rglob("*") if path.is_file()}
     for name, content in made.items():
@@ -79,7 +79,7 @@ CARRIED_BY_OTHERS = tomllib.loads(Path(__file__).with_name("carried.toml").read_
 
 
 @pytest.mark.parametrize("case", CARRIED_BY_OTHERS)
-def test_what_others_carry_along_is_read_and_what_deviates_told(built, tmp_path, case):
+def test_references_of_other_fmus_are_checked(built, tmp_path, case):
     told = CARRIED_BY_OTHERS[case].get("told", [])
     path = changed(built / "InertiaModule.fmu", tmp_path, CARRIED_BY_OTHERS[case])
     problems = examine(path, Journal()).problems
@@ -90,7 +90,7 @@ def test_what_others_carry_along_is_read_and_what_deviates_told(built, tmp_path,
 
 
 @pytest.mark.parametrize("slave", [fmi2.FMU2Slave, fmi3.FMU3Slave], ids=["DrivenShaft", "DrivenShaft3"])
-def test_an_fmu_that_ends_the_simulation_is_held_to_its_references_up_to_there(built, monkeypatch, slave):
+def test_references_are_checked_until_an_fmu_ends_the_simulation(built, monkeypatch, slave):
     def step(self, *arguments, **named):
         time = next(iter((*arguments, *named.values())))
         if slave is fmi2.FMU2Slave and time > 0.295:
@@ -129,7 +129,7 @@ def test_tree_for_importers_is_as_the_cross_check_has_it(built, tmp_path, monkey
 
 
 @pytest.mark.parametrize("identifier", ["InertiaModule", "InertiaModule3", "DrivenShaft", "DrivenShaft3"])
-def test_fmusim_finds_the_results_that_an_fmu_carries_along(built, opened, tmp_path, identifier):
+def test_fmusim_reproduces_the_references_of_an_fmu(built, opened, tmp_path, identifier):
     fmusim = shutil.which("fmusim")
     if fmusim is None:
         pytest.skip("fmusim is not installed")

@@ -1,4 +1,4 @@
-"""Bad input never gets in, no call out of order: refused with a message, no crash, nothing lost."""
+"""Test that invalid inputs and calls out of order are rejected with a message and without effect."""
 
 import ctypes
 import math
@@ -21,7 +21,7 @@ from tests.system.programs import process
 
 from .conftest import LEVELS, R1
 
-# inputs, by torque too, and what they do not take
+# invalid values of inputs, also torque-driven
 GOOD = {INERTIA_MODULE: {**R1, "drive_torque": 20.0}, DRIVEN_SHAFT: {"hub_speed": 20.0, "load_torque": 3.0}}
 STARTS = {
     INERTIA_MODULE: [{"drive": 0, "input_inertia": 0.2}, {"drive": 1, "input_inertia": 0.2}],
@@ -58,8 +58,8 @@ def in_phase(instance, phase):
         in_phase(instance, INITIALIZING).set(**R1)
         speed = instance.get("input_speed")
         instance.set(imbalance_mass=-1.0)
-        said = instance.refusal(instance.fmu.exitInitializationMode)
-        assert said == "imbalance_mass must be between 0 and 100000 kg (got -1)"
+        message = instance.refusal(instance.fmu.exitInitializationMode)
+        assert message == "imbalance_mass must be between 0 and 100000 kg (got -1)"
         # for debugging values can be read
         assert (instance.get("imbalance_mass"), instance.get("input_speed")) == (-1.0, speed)
     else:
@@ -93,7 +93,7 @@ def out_of_range(model):
 # --- values ---
 
 
-def test_parameter_out_of_range_is_named_with_what_is_allowed(instance, model):
+def test_parameter_out_of_range_is_reported_with_its_range(instance, model):
     for variable, value in out_of_range(model):
         instance.set(**{variable.name: value})
         assert instance.refusal(instance.start) == sentence(variable, value)
@@ -102,37 +102,37 @@ def test_parameter_out_of_range_is_named_with_what_is_allowed(instance, model):
     assert not instance.is_discarded(0.01)
 
 
-def test_bad_input_or_step_is_discarded_and_the_run_goes_on_as_if_nothing_had_been(instances, model):
+def test_invalid_input_or_step_is_discarded_without_effect(instances, model):
     good = GOOD[model]
     for start in STARTS[model]:
-        one, undisturbed = (instances().start(**good, **start) for _ in range(2))
+        instance, undisturbed = (instances().start(**good, **start) for _ in range(2))
         bad = [(name, value) for name in good for value in BAD_VALUES[model.by_name[name].unit]]
         for name, value in [*bad, *((None, step) for step in BAD_STEPS)]:
-            before = one.all_values()
-            one.set(**({name: value} if name else {}))
-            said = one.refusal(partial(one.try_step, 0.01 if name else value), fmi2Discard)
-            assert said == (sentence(model.by_name[name], value) if name else BAD_STEP.format(value))
-            one.set(**good)
-            assert one.all_values() == before, f"{said}: values have changed"
-            for each in (one, undisturbed):
+            before = instance.all_values()
+            instance.set(**({name: value} if name else {}))
+            message = instance.refusal(partial(instance.try_step, 0.01 if name else value), fmi2Discard)
+            assert message == (sentence(model.by_name[name], value) if name else BAD_STEP.format(value))
+            instance.set(**good)
+            assert instance.all_values() == before, f"{message}: values have changed"
+            for each in (instance, undisturbed):
                 each.step(0.1)
-            assert one.all_values() == undisturbed.all_values(), f"{said}: the next step is another"
+            assert instance.all_values() == undisturbed.all_values(), f"{message}: the next step is another"
 
 
-def said_of(*names_and_values):
+def messages_of(*names_and_values):
     """Pattern of the sentences on values of variables of the module, and of no others."""
-    said = "; ".join(sentence(INERTIA_MODULE.by_name[name], value) for name, value in names_and_values)
-    return f"^{re.escape(said)}$"
+    message = "; ".join(sentence(INERTIA_MODULE.by_name[name], value) for name, value in names_and_values)
+    return f"^{re.escape(message)}$"
 
 
 BAD_PARAMETERS = {"z2": 0, "imbalance_mass": -1.0, "tolerance": 7.0}
 
 
 @pytest.mark.parametrize(
-    "given, said",
+    "values, message",
     [
-        ({"inputs": {"omega1": math.nan}}, said_of(("omega1", math.nan))),
-        ({"parameters": BAD_PARAMETERS}, said_of(*BAD_PARAMETERS.items())),
+        ({"inputs": {"omega1": math.nan}}, messages_of(("omega1", math.nan))),
+        ({"parameters": BAD_PARAMETERS}, messages_of(*BAD_PARAMETERS.items())),
         *(
             ({"tolerance": n}, rf"^tolerance must be .* \(got {n:.16g}\)$")
             for n in (0.0, -1.0, math.nan, 1.0)
@@ -144,62 +144,62 @@ BAD_PARAMETERS = {"z2": 0, "imbalance_mass": -1.0, "tolerance": 7.0}
         ),
     ],
 )
-def test_all_that_cannot_be_at_the_start_is_named_at_once(fmu_path, given, said):
-    assert_refused(said, Fmu, fmu_path, **given)
+def test_all_invalid_start_values_are_reported_together(fmu_path, values, message):
+    assert_refused(message, Fmu, fmu_path, **values)
 
 
-def test_parameters_that_do_not_go_together_are_refused_by_the_sentence_of_the_model(instance):
+def test_inconsistent_parameters_are_rejected_with_the_message_of_the_model(instance):
     for parameters, _ in REFUSED["combinations"]:
         with pytest.raises(InertiaModuleError) as caught:
             Module("plain").start(**parameters)
-        said = instance.refusal(lambda values=parameters: instance.start(**values))
-        assert said == str(caught.value)
+        message = instance.refusal(lambda values=parameters: instance.start(**values))
+        assert message == str(caught.value)
         instance.fmu.reset()
     instance.start()
     assert not instance.is_discarded(0.01)
 
 
-def test_bad_value_of_a_tunable_parameter_is_discarded_and_nothing_changes(instances):
-    one, undisturbed = (instances().start(**GOOD[INERTIA_MODULE]) for _ in range(2))
+def test_invalid_value_of_a_tunable_parameter_is_discarded_without_effect(instances):
+    instance, undisturbed = (instances().start(**GOOD[INERTIA_MODULE]) for _ in range(2))
     for variable in (each for each in INERTIA_MODULE.variables if each.is_tunable):
-        name, before = variable.name, one.all_values()
+        name, before = variable.name, instance.all_values()
         for value in (math.nan, math.inf, variable.minimum - 1.0, variable.maximum * 2.0):
-            said = one.refusal(partial(one.set, **{"omega1": 7.0, name: value}), fmi2Discard)
-            assert said == sentence(variable, value)
-            assert one.all_values() == before
-        one.set(**{name: before[name]})  # no change
-        for each in (one, undisturbed):
+            message = instance.refusal(partial(instance.set, **{"omega1": 7.0, name: value}), fmi2Discard)
+            assert message == sentence(variable, value)
+            assert instance.all_values() == before
+        instance.set(**{name: before[name]})  # no change
+        for each in (instance, undisturbed):
             each.step(0.01)
-        assert one.all_values() == undisturbed.all_values()
+        assert instance.all_values() == undisturbed.all_values()
 
 
-def test_tunable_parameters_that_do_not_go_together_are_discarded(instances):
-    one, undisturbed = (
+def test_inconsistent_tunable_parameters_are_discarded(instances):
+    instance, undisturbed = (
         instances().start(**GOOD[INERTIA_MODULE], **LEVELS["averaged, by torque"]) for _ in range(2)
     )
-    before = one.all_values()
-    said = one.refusal(partial(one.set, omega1=50.0, balancer=0.3, windage=0.05), fmi2Discard)
-    assert said.startswith(
+    before = instance.all_values()
+    message = instance.refusal(partial(instance.set, omega1=50.0, balancer=0.3, windage=0.05), fmi2Discard)
+    assert message.startswith(
         "windage must be 0 with fidelity = averaged (got 0.05). Windage requires fidelity 0"
     )
-    assert one.all_values() == before
-    for each in (one, undisturbed):
+    assert instance.all_values() == before
+    for each in (instance, undisturbed):
         each.step(0.1)
-    assert one.all_values() == undisturbed.all_values()
+    assert instance.all_values() == undisturbed.all_values()
 
 
-def test_outputs_unknown_references_and_wrong_types_are_refused(instance):
+def test_outputs_unknown_references_and_wrong_types_are_rejected(instance):
     before = in_phase(instance, STEPPING).all_values()
-    said = instance.refusal(lambda: instance.set(omega_out=77.0))
-    assert said == "a variable to set must be an input or a parameter (omega_out is calculated)"
+    message = instance.refusal(lambda: instance.set(omega_out=77.0))
+    assert message == "a variable to set must be an input or a parameter (omega_out is calculated)"
     z2, omega1 = (instance.references[name] for name in ("z2", "omega1"))
     real, integer = ("Float64", "Int32") if instance.is_fmi3 else ("Real", "Integer")
     for act, kind, reference, *values in (
         *(("get", real, 9999), ("get", real, z2), ("get", integer, omega1)),
         *(("set", real, 9999, [1.0]), ("set", real, z2, [1.0])),
     ):
-        said = instance.refusal(partial(getattr(instance.fmu, act + kind), [reference], *values))
-        assert said == (
+        message = instance.refusal(partial(getattr(instance.fmu, act + kind), [reference], *values))
+        assert message == (
             f"a value reference must belong to a variable of type {kind} in modelDescription.xml"
             f" (got {reference})"
         )
@@ -208,7 +208,7 @@ def test_outputs_unknown_references_and_wrong_types_are_refused(instance):
 
 
 @pytest.mark.parametrize("version", ["", "3"])
-def test_shaft_refuses_the_state_of_a_module(instances_of, version):
+def test_shaft_rejects_the_state_of_a_module(instances_of, version):
     foreign = instances_of(f"InertiaModule{version}").start(**R1).saved()
     shaft = instances_of(f"DrivenShaft{version}").start(hub_speed=20.0)
     message = shaft.refusal(lambda: shaft.fmu.deSerializeFMUstate(foreign))
@@ -229,27 +229,25 @@ def test_work_without_end_is_an_error_and_no_hang(instance):
 
 
 @pytest.mark.parametrize("phase", PHASES)
-def test_calls_out_of_order_are_refused_by_a_sentence_and_change_nothing_and_reset_is_a_new_start(
-    instances, phase
-):
+def test_calls_out_of_order_are_rejected_without_effect_and_reset_restarts(instances, phase):
     instance = in_phase(instances(), phase)
     for name, (when, phases) in CALLS.items():
         if phase in phases or (instance.is_fmi3 and name == "setupExperiment"):
             continue  # FMI 3.0 has no such call
         before = phase == INSTANTIATED or instance.all_values()
-        said = instance.refusal(lambda called=name: call(instance, called))
-        assert said == f"{name} is allowed only {when} (the instance is {phase})"
+        message = instance.refusal(lambda called=name: call(instance, called))
+        assert message == f"{name} is allowed only {when} (the instance is {phase})"
         assert phase == INSTANTIATED or instance.all_values() == before
     if phase == STEPPING:
         assert not instance.is_discarded(0.01)
     instance.fmu.reset()
     fresh, instance.time = instances(), 0.0
-    for one in (instance, fresh):
-        one.start(**R1).step(0.01)
+    for each in (instance, fresh):
+        each.start(**R1).step(0.01)
     assert instance.all_values() == fresh.all_values()
 
 
-def test_in_initialization_mode_outputs_follow_the_inputs_and_what_is_refused_can_be_mended(instance):
+def test_in_initialization_mode_outputs_follow_inputs_and_errors_can_be_corrected(instance):
     instance.set(omega2_start=1.0, omega_out_start=1.0, drive_angle_start=0.7)
     in_phase(instance, INITIALIZING)
     torques = []
@@ -258,8 +256,8 @@ def test_in_initialization_mode_outputs_follow_the_inputs_and_what_is_refused_ca
         torques.append(instance.get("mesh_torque"))
     assert torques[0] != torques[1]
     instance.set(imbalance_mass=-1.0)
-    said = instance.refusal(lambda: instance.get("mesh_torque"), fmi2Discard)
-    assert said == "imbalance_mass must be between 0 and 100000 kg (got -1)"
+    message = instance.refusal(lambda: instance.get("mesh_torque"), fmi2Discard)
+    assert message == "imbalance_mass must be between 0 and 100000 kg (got -1)"
     instance.set(imbalance_mass=1.0)
     assert instance.get("mesh_torque") == torques[1]
     instance.fmu.exitInitializationMode()
@@ -286,7 +284,7 @@ def test_last_successful_time_is_the_beginning_of_a_discarded_step(instance):
 
 
 @pytest.mark.parametrize("begin", [0.0, 7.0])
-def test_a_step_past_the_stop_time_is_an_error_and_nothing_is_lost(instances, begin):
+def test_step_past_the_stop_time_is_an_error_without_effect(instances, begin):
     one, endless = instances(), instances()
     one.fmu.setupExperiment(startTime=begin, stopTime=begin + 0.3)
     endless.fmu.setupExperiment(startTime=begin)
@@ -298,8 +296,8 @@ def test_a_step_past_the_stop_time_is_an_error_and_nothing_is_lost(instances, be
         for _ in range(3):  # 3 · 0.1 is more than 0.3 by a rounding
             instance.step(0.1)
     before = one.all_values()
-    said = one.refusal(lambda: one.try_step(0.1))
-    assert said == (
+    message = one.refusal(lambda: one.try_step(0.1))
+    assert message == (
         f"a step must end at or before the stop time {begin + 0.3:.16g} s"
         f" (got a step of 0.1 s from {one.time:.16g} s)"
     )
@@ -311,36 +309,37 @@ def test_a_step_past_the_stop_time_is_an_error_and_nothing_is_lost(instances, be
 
 
 def test_the_stop_time_is_part_of_the_state_and_forgotten_by_a_reset(instances):
-    one, other = instances(), instances().start(omega1=100.0)
-    one.fmu.setupExperiment(stopTime=0.1)
-    one.fmu.enterInitializationMode()
-    one.fmu.exitInitializationMode()
-    other.restore(one.saved())
-    for instance in (one, other):
+    first, second = instances(), instances().start(omega1=100.0)
+    first.fmu.setupExperiment(stopTime=0.1)
+    first.fmu.enterInitializationMode()
+    first.fmu.exitInitializationMode()
+    second.restore(first.saved())
+    for instance in (first, second):
         assert "at or before the stop time 0.1 s" in instance.refusal(
             lambda tried=instance: tried.try_step(0.2)
         )
-    one.fmu.reset()
-    one.start(omega1=100.0).step(0.2)
+    first.fmu.reset()
+    first.start(omega1=100.0).step(0.2)
 
 
-def test_a_host_whose_time_jumps_is_told_so_once(instance):
+def test_jump_of_the_time_is_logged_once(instance):
     if not instance.is_native:
         pytest.skip("the Python FMU does not look at the time")
     instance.start(**R1)
     for time in (0.0, 7.0, 7.1, 3.0):
         instance.time = time
         instance.step(0.1)
-    (said,) = instance.log.warnings + instance.log.errors
+    (message,) = instance.log.warnings + instance.log.errors
     assert (
-        "communication point must be the time reached, 0.1 s, or the time of a saved state (got 7 s)" in said
+        "communication point must be the time reached, 0.1 s, or the time of a saved state (got 7 s)"
+        in message
     )
 
 
-# --- the log, and what is no instance ---
+# --- log, invalid instances ---
 
 
-def test_log_categories_choose_what_is_said(built):
+def test_log_categories_select_messages(built):
     with Fmu(built / "InertiaModule.fmu", inputs=R1) as fmu:
         fmu.advance(0.01)
         assert fmu.messages == []
@@ -352,17 +351,17 @@ def test_log_categories_choose_what_is_said(built):
         assert len(fmu.messages) == 1
 
 
-def test_unknown_log_category_is_refused_and_changes_nothing(instance):
-    said = instance.refusal(lambda: instance.fmu.setDebugLogging(False, ["logAll", "logGossip"]))
-    assert said.startswith("a log category must be logStatusWarning, ")
-    assert said.endswith("logAll (got logGossip)")
+def test_unknown_log_category_is_rejected_without_effect(instance):
+    message = instance.refusal(lambda: instance.fmu.setDebugLogging(False, ["logAll", "logGossip"]))
+    assert message.startswith("a log category must be logStatusWarning, ")
+    assert message.endswith("logAll (got logGossip)")
 
 
 @pytest.mark.parametrize(
-    "guid, name, said",
+    "guid, name, message",
     [("{wrong}", "instance", "the GUID must match"), (None, "", "the instance name must not be empty")],
 )
-def test_instances_of_another_build_or_without_a_name_are_not_made(opened, guid, name, said):
+def test_instances_of_another_build_or_without_a_name_are_not_made(opened, guid, name, message):
     description, folder = opened("InertiaModule")
     fmu = FMU2Slave(
         guid=guid or description.guid,
@@ -373,7 +372,7 @@ def test_instances_of_another_build_or_without_a_name_are_not_made(opened, guid,
     log = Log()
     with pytest.raises(Exception, match="nstantiate"):
         fmu.instantiate(callbacks=callbacks_of(log))
-    assert said in log.errors[0]
+    assert message in log.errors[0]
 
 
 # --- mechanisms that cannot be built and a deprecated value run, with a warning ---
@@ -390,7 +389,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_warnings_are_logged_at_each_start_and_told_from_errors(instance, fmu_path, case):
+def test_warnings_are_logged_at_each_start_as_warnings(instance, fmu_path, case):
     expected = Module("plain").start(**CASES[case]).warnings()
     assert bool(expected) == (case != "none")
     warnings, errors = instance.log.warnings, instance.log.errors
@@ -401,7 +400,7 @@ def test_warnings_are_logged_at_each_start_and_told_from_errors(instance, fmu_pa
     instance.start(**CASES[case])
     assert errors == []
     instance.fmu.reset()
-    with pytest.raises(FMICallException):  # and if it is refused, not of more
+    with pytest.raises(FMICallException):  # and no other category if the call is rejected
         instance.start(**CASES[case], imbalance_mass=-1.0)
     assert warnings == 2 * expected
     assert len(errors) == 1
@@ -414,7 +413,7 @@ def test_check_passes_warnings_on_without_a_problem(built, tmp_path):
     content = files_of(built / "InertiaModulePy.fmu")
     (table,) = (name for name in content if name.endswith("interface/variables.py"))
     assert b'evenly spaced", 1,' in content[table]
-    # a start value that cannot be built, and that is not that of the references carried along
+    # a start value that cannot be built and that the references in the FMU do not use
     content = {name: data for name, data in content.items() if not name.startswith("extra/")}
     content[table] = content[table].replace(b'evenly spaced", 1,', b'evenly spaced", 6,')
     path = with_content(tmp_path / "x.fmu", content)

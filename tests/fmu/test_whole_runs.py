@@ -1,4 +1,4 @@
-"""Runs in one call: the bits, refusals and states of the loop, whoever takes the steps."""
+"""Test runs in one call: bits, rejections and states equal a loop of steps."""
 
 from contextlib import ExitStack
 from ctypes import byref
@@ -60,46 +60,46 @@ def twins(request, built, compiled):
 
 @pytest.mark.parametrize("level", [ELASTIC, {"fidelity": "rigid"}, {"fidelity": "averaged"}])
 def test_run_has_the_bits_and_the_state_of_the_loop(twins, level):
-    one, other = twins(level)
-    for plant in (one, other):
+    first, second = twins(level)
+    for plant in (first, second):
         if isinstance(plant, Module):
             plant.set_rates(omega1=5.0)  # for the first step alone
         else:
             assert getattr(plant._instance, instance.RUN) is not None
-    assert np.array_equal(run(one), run(by_loop(other)))
-    assert one.save() == other.save()
-    if isinstance(one, Fmu):
-        assert one.time == other.time == pytest.approx(TIMES[-1])
+    assert np.array_equal(run(first), run(by_loop(second)))
+    assert first.save() == second.save()
+    if isinstance(first, Fmu):
+        assert first.time == second.time == pytest.approx(TIMES[-1])
 
 
-def test_steps_are_traced_and_the_progress_is_told(fmu_path):
-    told = []
+def test_steps_are_logged_and_progress_is_reported(fmu_path):
+    fractions = []
     with Fmu(fmu_path, inputs=R1) as fmu:
         fmu.set_logging(True, "logSteps")
-        run(fmu, progress=told.append)
+        run(fmu, progress=fractions.append)
         assert sum("step to" in message for message in fmu.messages) == 300
-    assert len(told) > 1
-    assert told == sorted(told)
-    assert told[-1] == 1.0
+    assert len(fractions) > 1
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1.0
 
 
 @pytest.mark.parametrize("name, bad", [("omega1", np.nan), ("load_torque", 1e300), ("output_friction", -1.0)])
-def test_what_is_refused_within_a_run_leaves_what_the_loop_leaves(twins, name, bad):
+def test_run_that_fails_in_the_middle_equals_a_loop_of_steps(twins, name, bad):
     inputs = {name: np.where(np.arange(300) == 200, bad, RISING.get(name, np.zeros(300)))}
-    one, other = twins()
-    said, looped = (refusal(run, plant, inputs) for plant in (one, by_loop(other)))
-    assert one.save() == other.save()
-    when = "at time 0.133333333 s: " if isinstance(one, Fmu) else ""
-    assert said.startswith(f"{when}{name} must be ")
-    assert said.removeprefix(when) == looped.removeprefix(when)
-    one.set(**R1)
-    one.advance(1e-3)
-    if isinstance(one, Fmu):
-        assert one.time == pytest.approx(TIMES[200] + 1e-3)
-        assert other.time == pytest.approx(TIMES[200])
+    first, second = twins()
+    message, looped = (refusal(run, plant, inputs) for plant in (first, by_loop(second)))
+    assert first.save() == second.save()
+    when = "at time 0.133333333 s: " if isinstance(first, Fmu) else ""
+    assert message.startswith(f"{when}{name} must be ")
+    assert message.removeprefix(when) == looped.removeprefix(when)
+    first.set(**R1)
+    first.advance(1e-3)
+    if isinstance(first, Fmu):
+        assert first.time == pytest.approx(TIMES[200] + 1e-3)
+        assert second.time == pytest.approx(TIMES[200])
 
 
-def test_unknown_names_and_closed_instances_are_refused(fmu_path):
+def test_unknown_names_and_closed_instances_are_rejected(fmu_path):
     with Fmu(fmu_path, inputs=R1) as fmu:
         assert_refused("unknown variable 'omega7'", run, fmu, outputs=["omega7"])
         with pytest.raises(FmuError, match=r"must be an input or a parameter \(omega_out is calculated\)"):
@@ -108,15 +108,15 @@ def test_unknown_names_and_closed_instances_are_refused(fmu_path):
 
 
 @pytest.mark.parametrize("missing", [{"steps": 1, "lengths": None}, {"input_count": 1}, {"output_count": 1}])
-def test_null_pointers_are_refused(fmu_path, missing):
+def test_null_pointers_are_rejected(fmu_path, missing):
     asked = Run(np.ones(1), 0, np.empty((1, 0)), 0, np.empty((2, 0)))
     for name, value in missing.items():
         setattr(asked, name, value)
     with Fmu(fmu_path, inputs=R1) as fmu:
         call = getattr(fmu._instance, instance.RUN)
-        for given in (byref(asked), None):
+        for pointer in (byref(asked), None):
             with pytest.raises(FMICallException):
-                call(fmu._instance.component, given)
+                call(fmu._instance.component, pointer)
             assert "requires arrays that are not NULL" in fmu.messages.pop()
         with pytest.raises(FMICallException):
             call(None, byref(asked))
@@ -126,17 +126,17 @@ def test_null_pointers_are_refused(fmu_path, missing):
 def test_fmu_without_such_a_call_runs_by_the_loop(built):
     names = ("omega_out", "contact_mode", "imbalance_acceleration")
     with (
-        Fmu(built / "InertiaModulePy.fmu", inputs=R1) as theirs,
-        Fmu(built / "InertiaModule.fmu", inputs=R1) as ours,
+        Fmu(built / "InertiaModulePy.fmu", inputs=R1) as python_fmu,
+        Fmu(built / "InertiaModule.fmu", inputs=R1) as native_fmu,
     ):
-        assert not hasattr(theirs._instance, instance.RUN)
-        np.testing.assert_allclose(run(theirs, outputs=names), run(ours, outputs=names), rtol=1e-9)
+        assert not hasattr(python_fmu._instance, instance.RUN)
+        np.testing.assert_allclose(run(python_fmu, outputs=names), run(native_fmu, outputs=names), rtol=1e-9)
 
 
 # --- in memory ---
 
 
-def test_step_too_long_is_refused_in_one_call_as_by_itself(compiled):
+def test_too_long_step_is_rejected_in_a_run_like_alone(compiled):
     module, once = (Module(compiled).start(**R1) for _ in range(2))
     with pytest.raises(InertiaModuleError, match="2000000"):
         instance.run(module, np.array([0.01, 2e6]), {}, ("omega_out",), np.empty((3, 1)))

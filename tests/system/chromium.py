@@ -1,4 +1,4 @@
-"""Chromium, and what a page in it shows, has said and asked for."""
+"""Chromium: content, console messages and requests of a page."""
 
 import base64
 from pathlib import Path
@@ -24,7 +24,7 @@ ASKED = Path(__file__).with_name("page.js").read_text()
 
 
 def set_font(page, name):
-    """Show a page of Playwright in one of FONTS, but for its formulas."""
+    """Show a page of Playwright in one of FONTS, except its formulas."""
     file, spacing = FONTS[name]
     data = base64.b64encode((Path(matplotlib.get_data_path()) / "fonts" / "ttf" / file).read_bytes()).decode()
     page.add_style_tag(
@@ -35,29 +35,31 @@ def set_font(page, name):
 
 
 class Opened:
-    """A page in the browser, and what it has said and asked for since.
+    """Page in the browser with its messages and requests.
 
     Attributes:
-        page: of Playwright. path: the file.
-        errors: on the console or thrown. requests: URLs besides the file.
+        page: Page of Playwright.
+        path: Path of the file.
+        errors: Errors on the console, and exceptions.
+        requests: Requested URLs except the file.
     """
 
     def __init__(self, page, path):
         self.page, self.path = page, path
         self.errors, self.requests = [], []
-        page.on("console", lambda said: said.type == "error" and self.errors.append(said.text))
+        page.on("console", lambda message: message.type == "error" and self.errors.append(message.text))
         page.on("pageerror", lambda error: self.errors.append(str(error)))
-        page.on("request", lambda asked: asked.url != self.url and self.requests.append(asked.url))
+        page.on("request", lambda request: request.url != self.url and self.requests.append(request.url))
         page.goto(self.url)
         page.wait_for_function("window.inertiaModule")
 
     @property
     def url(self):
-        """Of the file, without what follows #."""
+        """Return the URL of the file without the fragment."""
         return self.path.absolute().as_uri()
 
     def at(self, change):
-        """Load the page anew at another address; it, once nothing is being integrated."""
+        """Load the page at another address, and return it after the integration has ended."""
         self.page.goto("about:blank")
         self.page.goto(self.url + change)
         self.page.wait_for_function("window.inertiaModule")
@@ -69,7 +71,7 @@ class Opened:
         return self
 
     def drawn(self):
-        """The page once what has changed is drawn: by the frame after the one that is on its way."""
+        """Return the page after changes are drawn, at the latest with the second next frame."""
         self.page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
         return self
 
@@ -77,9 +79,9 @@ class Opened:
         """A part of the page's state."""
         return self.page.evaluate(f"inertiaModule.state().{name}")
 
-    def ask(self, name, *given):
+    def ask(self, name, *arguments):
         """Value of a function of page.js."""
-        return self.page.evaluate(f"{ASKED}.{name}", *given)
+        return self.page.evaluate(f"{ASKED}.{name}", *arguments)
 
     def shown(self, name):
         """Column of the run that is shown."""

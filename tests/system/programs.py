@@ -38,7 +38,7 @@ def left(*arguments):
 
 
 def is_one_line(done, *words):
-    """That a command was refused in one line with these words."""
+    """Check that a command failed with a single line that contains these words."""
     assert (done.exit_code, done.stderr.count("\n")) == (1, 1), done.stderr
     assert done.stderr.startswith("error: ")
     assert all(word in done.stderr for word in words), done.stderr
@@ -65,10 +65,10 @@ def programs(page):
 
 
 def printed(source, folder):
-    """The numbers that a program prints in its last line, run in a process of its own: hosts may crash.
+    """Run a program in its own process, because hosts can crash, and return the numbers of its last line.
 
     Raises:
-        AssertionError: it fails; with what it says.
+        AssertionError: The program fails; with its output.
     """
     environment = {}
     with contextlib.suppress(importlib.metadata.PackageNotFoundError):
@@ -81,8 +81,8 @@ def printed(source, folder):
 
 
 def needs(package):
-    """Skip a test of what is not installed."""
+    """Skip a test if a package is not installed."""
     beside = {BESIDE_ECOS} if package == "ecospy" and sys.platform == "linux" else set()
-    found = {name for name in beside if [*importlib.metadata.distributions(name=name)]}
-    if importlib.util.find_spec(package) is None or found != beside:
+    installed = {name for name in beside if [*importlib.metadata.distributions(name=name)]}
+    if importlib.util.find_spec(package) is None or installed != beside:
         pytest.skip(f"{package} is not installed; the extra inertia-module[hosts] has what pip can install")

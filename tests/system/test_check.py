@@ -22,7 +22,7 @@ from inertia_module.fmi.report import Journal
 from tests.system.foreign import DESCRIPTION, description, foreign_fmu, packed, references
 from tests.system.programs import command, is_one_line
 
-# time for a check that ends by itself, and for one that does not, s
+# time limits of a check that ends and of a check that does not end, s
 ENOUGH, LITTLE = 60.0, 3.0
 ALLOWED = ". Set a longer one with --timeout."
 SECRET = "a line of a file outside the FMU"
@@ -72,7 +72,7 @@ ENDLESS = {
 
 
 @pytest.mark.parametrize("harm", HARM)
-def test_harm_of_an_fmu_is_one_problem(fmu, tmp_path, harm):
+def test_crash_of_an_fmu_is_a_problem(fmu, tmp_path, harm):
     code, problem = HARM[harm]
     done = command("check", fmu(code), "--json")
     assert (done.exit_code, done.stderr) == (1, "")
@@ -94,7 +94,7 @@ def test_a_flood_of_output_is_cut_off(fmu):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems do not limit the memory")
-def test_an_fmu_that_eats_memory_is_stopped(fmu):
+def test_fmu_that_allocates_too_much_memory_is_stopped(fmu):
     path = fmu("for (;;) memset(malloc(1 << 26), 1, 1 << 26)")
     (problem,) = check_fmu(path, ENOUGH, memory=1_500_000_000).problems
     assert problem == f"{STAGE}: the FMU crashes (SIGSEGV, out of memory: the limit is 1.5 GB)"
@@ -115,7 +115,7 @@ FORGED = {
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the FMU looks for its journal in /proc")
 @pytest.mark.parametrize("kind", FORGED)
-def test_an_fmu_that_exchanges_the_journal_of_the_check_does_not_block_it(fmu, kind):
+def test_fmu_that_replaces_the_journal_does_not_block_the_check(fmu, kind):
     code = 'const char *name = "../journal.json"; ' + FORGED[kind] + "; _exit(0)"
     (problem,) = check_fmu(fmu(code), progress=lambda share: None).problems
     assert problem == "starting: the FMU exits the process of its host with code 0"
@@ -128,7 +128,7 @@ def test_control_characters_of_an_fmu_do_not_reach_the_terminal(fmu):
     assert "\n" not in problem
 
 
-def test_the_problem_of_a_slow_fmu_has_the_time_that_it_reached(fmu):
+def test_problem_of_a_slow_fmu_states_the_reached_time(fmu):
     shares = []
     report = check_fmu(fmu("usleep(50000)", times='stopTime="1e3"'), 4.0, shares.append)
     (problem,) = report.problems
@@ -140,15 +140,15 @@ def test_the_problem_of_a_slow_fmu_has_the_time_that_it_reached(fmu):
 
 def processes_of(words):
     """Processes of this machine whose command has these words, with the variable of this test."""
-    found = []
+    processes = []
     for folder in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):
             if (
                 words.encode() in (folder / "cmdline").read_bytes()
                 and MARK in (folder / "environ").read_bytes()
             ):
-                found.append(folder.name)
-    return found
+                processes.append(folder.name)
+    return processes
 
 
 MARK = f"TEST_OF_CHECK={os.getpid()}".encode()
@@ -233,7 +233,7 @@ def test_only_the_beginning_of_a_default_experiment_without_end_is_stepped(fmu):
     "times",
     ['stopTime="INF"', 'stopTime="-1"', 'startTime="NaN"', 'stopTime="1" stepSize="0"', 'stopTime="0"'],
 )
-def test_times_that_make_no_experiment_are_one_problem(fmu, times):
+def test_invalid_times_of_an_experiment_are_a_problem(fmu, times):
     (problem,) = examined(fmu(times=times)).problems
     assert (
         "times of an experiment must be finite, the stop time after the start time and the step positive"
@@ -242,7 +242,7 @@ def test_times_that_make_no_experiment_are_one_problem(fmu, times):
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
-def test_an_fmu_that_ends_the_simulation_is_correct(fmu, fmi):
+def test_fmu_that_ends_the_simulation_is_correct(fmu, fmi):
     code = "if (time > 0.5) { model.count = -1; return " + ("2; }" if fmi == 2 else "0; }")
     report = examined(fmu(code, fmi=fmi))
     assert report.problems == []
@@ -260,7 +260,7 @@ def test_event_mode_and_early_returns_are_tried_too(fmu):
     assert report.outputs["count"] == 200.0
 
 
-def test_a_return_that_is_too_early_is_one_problem(fmu):
+def test_too_early_return_is_a_problem(fmu):
     (problem,) = examined(fmu(EARLY.format("time > 0.5"), fmi=3)).problems
     assert problem.endswith("the step returns early, but early return is not allowed")
     code = "if (early_allowed) { is_early = true; early_time = time; }"
@@ -279,14 +279,14 @@ def test_model_exchange_is_stepped_and_its_references_are_not_replayed(fmu):
     assert report.outputs["ramps"] == pytest.approx([3.0, 6.0, 9.0])
 
 
-def test_outputs_that_are_not_finite_are_problems_and_null_for_machines(fmu):
+def test_non_finite_outputs_are_problems_and_null_in_json(fmu):
     done = command("check", fmu("model.u = time > 0.5 ? NAN : 0"), "--json")
-    told = json.loads(done.stdout, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
-    assert told["problems"] == ["output y is not finite at t = 0.52 s"]
-    assert told["outputs"]["y"] is None
+    printed = json.loads(done.stdout, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+    assert printed["problems"] == ["output y is not finite at t = 0.52 s"]
+    assert printed["outputs"]["y"] is None
 
 
-def test_an_fmu_that_moves_to_another_folder_is_found_again(fmu, tmp_path, monkeypatch):
+def test_fmu_that_changes_the_working_folder_is_checked(fmu, tmp_path, monkeypatch):
     files = references("time,y\n0,0\n1,0\n")
     path = fmu('if (chdir("/")) return 3', files=files)
     monkeypatch.chdir(tmp_path)
@@ -302,14 +302,14 @@ def test_an_fmu_for_scheduled_execution_alone_is_correct_and_not_stepped(fmu):
     assert report.warnings == ["the FMU is not simulated: it supports scheduled execution only"]
 
 
-def test_all_platforms_are_listed_also_those_of_fmi_3(fmu):
+def test_all_platforms_of_fmi_2_and_3_are_listed(fmu):
     names = ("aarch64-linux", "aarch64-darwin", "wasm32-wasip2", "x86-windows", "riscv64-linux")
     files = {f"binaries/{name}/foreign.bin": "" for name in names} | {"sources/foreign.c": ""}
     platforms = examined(fmu(fmi=3, files=files)).facts["platforms"].split(", ")
     assert set(platforms) >= {*names, "c-code"}
 
 
-def test_an_fmu_for_other_machines_names_the_library_that_is_missing(tmp_path, cache):
+def test_missing_library_of_this_platform_is_named(tmp_path, cache):
     (problem,) = examined(packed(tmp_path / "other.fmu", [])).problems
     assert re.match(r"the FMU cannot be simulated on this machine: no binaries/\w+/foreign\.\w+$", problem)
 
@@ -408,10 +408,10 @@ WRONG = {
 
 
 @pytest.mark.parametrize("case", WRONG)
-def test_wrong_results_are_one_problem(fmu, case):
+def test_wrong_results_are_a_problem(fmu, case):
     fmi, results, problem = WRONG[case]
-    (found,) = examined(fmu(fmi=fmi, files=references(results))).problems
-    assert found.startswith(problem)
+    (result,) = examined(fmu(fmi=fmi, files=references(results))).problems
+    assert result.startswith(problem)
 
 
 def test_start_of_an_experiment_is_its_own(fmu):
@@ -440,7 +440,7 @@ ABSURD = {
 
 
 @pytest.mark.parametrize("case", ABSURD)
-def test_absurd_times_of_an_experiment_are_one_problem(fmu, case):
+def test_absurd_times_of_an_experiment_are_a_problem(fmu, case):
     times, words = ABSURD[case]
     (problem,) = examined(fmu(files=references("time,y\n0,0\n1,0\n", times=times))).problems
     assert problem.startswith("experiment test failed: ")
@@ -453,7 +453,7 @@ def test_absurd_times_of_an_experiment_are_one_problem(fmu, case):
 @pytest.mark.parametrize(
     "place", ["absolute", "relative", "/dev/zero", "/dev/stdin", "a pipe", "a link", "a folder"]
 )
-def test_nothing_outside_the_fmu_is_read(fmu, tmp_path, cache, place):
+def test_files_outside_the_fmu_are_not_read(fmu, tmp_path, cache, place):
     secret, pipe = tmp_path / "secret.csv", tmp_path / "pipe"
     secret.write_text(f"{SECRET}\ntime,y\n0,0\n")
     os.mkfifo(pipe)
@@ -516,15 +516,15 @@ ENTRIES = {
 
 @pytest.mark.filterwarnings("ignore:Duplicate name")
 @pytest.mark.parametrize("case", ENTRIES)
-def test_entries_that_leave_their_folder_are_one_problem(tmp_path, cache, case):
+def test_entries_outside_their_folder_are_a_problem(tmp_path, cache, case):
     entry, problem = ENTRIES[case]
     path = packed(tmp_path / "a.fmu", [(entry, "/etc/passwd")])
-    (found,) = examined(path).problems
-    assert found.startswith(f"entry {problem}")
+    (result,) = examined(path).problems
+    assert result.startswith(f"entry {problem}")
     assert not cache.exists() or list(cache.iterdir()) == []
 
 
-def test_an_encrypted_entry_is_one_problem(tmp_path, cache):
+def test_encrypted_entry_is_a_problem(tmp_path, cache):
     path = packed(tmp_path / "a.fmu", [("resources/a", "a")])
     content = bytearray(path.read_bytes())
     content[content.rindex(b"PK\x01\x02") + 8] |= 1
@@ -532,7 +532,7 @@ def test_an_encrypted_entry_is_one_problem(tmp_path, cache):
     assert check_fmu(path).problems == ["entry 'resources/a' must not be encrypted"]
 
 
-def test_other_compression_than_the_standard_has_is_one_problem(tmp_path, cache):
+def test_compression_outside_the_standard_is_a_problem(tmp_path, cache):
     entry = zipfile.ZipInfo("resources/a")
     entry.compress_type = zipfile.ZIP_LZMA
     path = packed(tmp_path / "a.fmu", [(entry, "a")])
@@ -552,14 +552,14 @@ def bomb(path, files):
     return path
 
 
-def test_an_archive_that_unpacks_to_more_than_a_gigabyte_is_rejected_at_once(tmp_path, cache):
+def test_archive_of_more_than_a_gigabyte_is_rejected_before_unpacking(tmp_path, cache):
     path = bomb(tmp_path / "a.fmu", 7)
     (problem,) = examined(path).problems
     assert problem == "unpacked size must be at most 1 GB (got 1.05 GB)"
     assert list(cache.iterdir()) == []
 
 
-def test_an_entry_that_is_larger_than_it_claims_is_rejected(tmp_path, cache):
+def test_entry_larger_than_its_declared_size_is_rejected(tmp_path, cache):
     path = bomb(tmp_path / "a.fmu", 1)
     content = path.read_bytes().replace((150_000_000).to_bytes(4, "little"), (1000).to_bytes(4, "little"))
     path.write_bytes(content)
@@ -568,7 +568,7 @@ def test_an_entry_that_is_larger_than_it_claims_is_rejected(tmp_path, cache):
     assert list(cache.iterdir()) == []
 
 
-def test_a_damaged_entry_is_one_problem_and_leaves_nothing(tmp_path, cache):
+def test_damaged_entry_is_a_problem_and_leaves_no_files(tmp_path, cache):
     path = packed(tmp_path / "a.fmu", [("resources/a", os.urandom(10_000))])
     content = bytearray(path.read_bytes())
     content[content.index(b"resources/a") + 500] ^= 255
@@ -589,7 +589,7 @@ DOCTYPES = {
 
 @pytest.mark.parametrize("file", [DESCRIPTION, "sources/buildDescription.xml"])
 @pytest.mark.parametrize("case", DOCTYPES)
-def test_entities_in_descriptions_are_one_error(tmp_path, cache, case, file):
+def test_entities_in_descriptions_are_an_error(tmp_path, cache, case, file):
     path = tmp_path / "a.fmu"
     with zipfile.ZipFile(path, "w") as made:
         for name, content in {DESCRIPTION: description(fmi=3), file: DOCTYPES[case]}.items():
@@ -600,7 +600,7 @@ def test_entities_in_descriptions_are_one_error(tmp_path, cache, case, file):
 
 
 @pytest.mark.parametrize("case", DOCTYPES)
-def test_entities_in_experiments_are_one_problem(fmu, case):
+def test_entities_in_experiments_are_a_problem(fmu, case):
     files = references("time,y\n0,0\n")
     files[next(name for name in files if name.endswith(".exp"))] = DOCTYPES[case]
     assert examined(fmu(files=files)).problems == [
@@ -609,7 +609,7 @@ def test_entities_in_experiments_are_one_problem(fmu, case):
     ]
 
 
-def test_files_that_are_no_fmus_are_one_line(tmp_path, cache):
+def test_invalid_fmu_is_an_error_in_a_line(tmp_path, cache):
     pipe, text, empty, plain = (tmp_path / name for name in ("pipe", "text", "empty.fmu", "plain.fmu"))
     os.mkfifo(pipe)
     text.write_text("text")
@@ -631,7 +631,7 @@ def test_files_that_are_no_fmus_are_one_line(tmp_path, cache):
         is_one_line(command("check", path), f"error: {words.format(path)}")
 
 
-def test_a_file_that_is_too_large_is_one_line(tmp_path, cache):
+def test_too_large_file_is_an_error_in_a_line(tmp_path, cache):
     path = tmp_path / "large.fmu"
     with path.open("wb") as stream:
         stream.truncate(archive.MAX_UNPACKED + 1)
@@ -647,6 +647,6 @@ def test_time_limit_is_a_quantity(tmp_path):
     assert "Time limit of the process that runs the FMU, e.g. '5 min'." in " ".join(done.output.split())
 
 
-def test_a_process_that_cannot_start_is_one_line(tmp_path, cache, monkeypatch):
+def test_failed_start_of_a_process_is_an_error_in_a_line(tmp_path, cache, monkeypatch):
     monkeypatch.setattr(check, "__package__", "no_package")
     is_one_line(command("check", packed(tmp_path / "a.fmu", [])), "cannot start the process of the check: ")

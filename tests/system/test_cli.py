@@ -19,11 +19,12 @@ from typer.testing import CliRunner
 
 from inertia_module import PUBLIC, __version__
 from inertia_module.cli import app, options, scene_runs, show, studies
+from inertia_module.common.errors import InertiaModuleError
 from inertia_module.common.examples import examples
 from inertia_module.common.files import MAX_TEXT_SIZE
 from inertia_module.common.terminal import progress, terminal
-from inertia_module.fidelity.trials import Row as Measured
-from inertia_module.fidelity.trials import print_levels
+from inertia_module.fidelity.level_table import print_levels
+from inertia_module.fidelity.rows import Row as Measured
 from inertia_module.fmi.results import Result
 from inertia_module.fmu import builder
 from inertia_module.fmu.archive import DESCRIPTION
@@ -274,8 +275,8 @@ def test_files_that_are_none_are_named_and_no_folder_is_made_for_nothing(tmp_pat
 COMMANDS = {
     "build": (["build"], "fmu.builder.content_of"),
     "run": (["run", REFERENCE], "scene.run_scene"),
-    "run, choosing": (["run", REFERENCE, "--fidelity", "auto", "--error", "1 %"], "fidelity.trials.choose"),
-    "tradeoff": (["tradeoff", REFERENCE], "fidelity.trials.measured_rows"),
+    "run, choosing": (["run", REFERENCE, "--fidelity", "auto", "--error", "1 %"], "fidelity.choice.choose"),
+    "tradeoff": (["tradeoff", REFERENCE], "fidelity.measure.trial_rows"),
     "chart": (["chart", REFERENCE], "scene.chart.compute_chart"),
     "export": (["export", REFERENCE], "export.systems.export"),
 }

@@ -105,13 +105,13 @@ def test_changes_of_speed_follow_the_characteristic_polynomial_to_either_side_of
 
 
 @pytest.mark.parametrize("scheme", Scheme)
-def test_changes_of_speed_tend_to_those_of_all_the_inertia(fmu, scheme):
+def test_speed_changes_approach_the_response_of_the_total_inertia(fmu, scheme):
     ratio, step = 0.2, 1e-4
     acceleration = speed_changes(scheme, ratio, step, fmu)[-1] / step
     assert TORQUE_STEP / acceleration - INTERFACE / ratio == pytest.approx(INTERFACE, rel=1e-3)
 
 
-def test_interface_inertia_is_that_of_a_rolling_satellite():
+def test_interface_inertia_equals_a_rolling_satellite():
     """Held wheel: the imbalance turns about the point of contact at (1 + k) omega1, r - l to r + l away."""
     turned = 3 * 0.3 * (1.0 + 0.1 / 0.06) ** 2
     found = driveline.interface_inertia(study.URBAN_MODULE)
@@ -123,7 +123,7 @@ def test_interface_inertia_is_that_of_a_rolling_satellite():
 
 
 @pytest.mark.parametrize("name, ratio, close", [("planar", 0.5, 1.9e-5), ("bevel", 5.0, 1e-4)])
-def test_coupling_tends_to_the_one_piece_reference(fmu, name, ratio, close):
+def test_coupling_converges_to_the_monolithic_reference(fmu, name, ratio, close):
     case, expected = study.CASES[name](ratio), reference(name, ratio)
     # by torque in steps that meet the samples
     by_torque = [(None, step, 1e-9) for step in (SAMPLE / 4, SAMPLE)]
@@ -135,7 +135,7 @@ def test_coupling_tends_to_the_one_piece_reference(fmu, name, ratio, close):
         assert abs(found.ledger.defect) < bound * expected.work
 
 
-def test_by_torque_steps_that_miss_the_samples_see_the_speed_late(fmu):
+def test_torque_driven_steps_between_samples_delay_the_speed(fmu):
     steps, expected = (2e-3, 1e-2, 2e-2), reference("planar", 0.5)
     errors = [trial(planar(0.5), TORQUE, step, expected, fmu).worst for step in steps]
     assert 1e-4 < errors[0] < errors[1] < errors[2]
@@ -148,7 +148,7 @@ def test_by_torque_steps_that_miss_the_samples_see_the_speed_late(fmu):
     "scheme, step, loss",
     [(None, 1e-3, 1e-12), (None, SAMPLE, 1e-12), (None, 2e-2, 1e-12), (Scheme.IMPLICIT, 2e-3, 3e-3)],
 )
-def test_every_joule_of_the_engine_is_on_one_of_the_accounts(fmu, scheme, step, loss):
+def test_engine_work_equals_the_sum_of_all_energies(fmu, scheme, step, loss):
     with coupled_engine(planar(0.3), scheme, fmu) as coupled:
         before = coupled.energy_stored
         for _ in range(round(0.6 / step)):
@@ -164,7 +164,7 @@ def test_every_joule_of_the_engine_is_on_one_of_the_accounts(fmu, scheme, step, 
             assert abs(left) < 1e-7 * worked
 
 
-def test_by_torque_angle_and_speed_of_the_engine_are_those_of_link_1_and_its_torque_keeps_its_map(fmu):
+def test_torque_driven_engine_has_the_speed_of_link_1_and_respects_its_map(fmu):
     case = planar(0.5)
     with coupled_engine(case, None, fmu) as coupled:
         torques = []
@@ -290,7 +290,7 @@ def test_parameters_add_the_rotor_to_link_1():
 
 
 @pytest.mark.parametrize("name", study.COUPLINGS)
-def test_after_a_refused_step_a_good_one_goes_on_as_if_nothing_had_been(fmu, name):
+def test_rejected_step_has_no_effect(fmu, name):
     ends, step = [], SAMPLE if name == TORQUE else 1e-3
     for load in (8.0, 1e300):
         with coupled_engine(planar(0.3), study.COUPLINGS[name], fmu) as coupled:
@@ -305,7 +305,7 @@ def test_after_a_refused_step_a_good_one_goes_on_as_if_nothing_had_been(fmu, nam
     assert ends[0] == ends[1]
 
 
-def test_an_implicit_step_refused_half_way_is_taken_back(fmu, monkeypatch):
+def test_implicit_step_that_fails_in_the_middle_is_restored(fmu, monkeypatch):
     with coupled_engine(planar(0.3), Scheme.IMPLICIT, fmu) as coupled:
         coupled.advance(1e-3)
         names = ("omega_out", "energy_in", "input_angle")

@@ -118,7 +118,7 @@ def test_container_runs_to_the_numbers_of_a_plain_loop(exported):
     assert {name: last[name] for name in expected} == pytest.approx(expected, rel=1e-9)
 
 
-def test_ssp_file_obeys_the_schemas_and_keeps_to_what_all_readers_understand(exported):
+def test_ssp_file_is_valid_and_portable(exported):
     path = exported.folder / "system.ssp"
     packed = files_of(path)
     system = read_ssd(str(path)).system  # validates structure and values against the schemas of SSP 1.0
@@ -174,7 +174,7 @@ def test_files_are_valid_fmus_of_their_own_with_the_same_bytes_each_time(exporte
 
 
 @pytest.mark.parametrize("exported", ["module alone"], indirect=True)
-def test_a_mechanism_without_a_shaft_is_one_fmu(exported):
+def test_mechanism_without_a_shaft_is_a_single_fmu(exported):
     paths = (path for path in exported.folder.rglob("*") if path.suffix in {".ssp", ".xml", ".fmu"})
     assert {path.relative_to(exported.folder).as_posix() for path in paths} == {
         "system.ssp",
@@ -219,7 +219,7 @@ def tool(name, *arguments, folder):
 
 
 @pytest.mark.parametrize("fmu", FMUS, ids=lambda fmu: fmu.identifier)
-def test_checker_has_nothing_to_say(fmu, built, tmp_path):
+def test_checker_reports_no_problems(fmu, built, tmp_path):
     needs(TOOLBOX)
     said = tool("fmutool", "-input", built / fmu.file_name, "-check", folder=tmp_path)
     assert "seems to be compliant with FMI-" in said

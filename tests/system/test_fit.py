@@ -61,7 +61,7 @@ def test_example_finds_the_truth_and_the_noise(found, rig):
     assert found.searches == (3, 3)
 
 
-def test_ends_of_an_interval_are_where_the_profile_reaches_the_squared_quantile(fmu, found, tmp_path):
+def test_interval_ends_at_the_squared_quantile_of_the_profile(fmu, found, tmp_path):
     def squares(fit):
         """Sum over the noise that was found."""
         return sum(np.sum((fit.table()[f"{name}_residual"] / found.noise[name]) ** 2) for name in found.noise)
@@ -126,7 +126,7 @@ def test_two_keys_of_which_the_data_determine_a_combination_are_not_identifiable
         assert "not identifiable" in fit[name].doubt
 
 
-def test_masses_that_set_their_own_scale_are_not_identifiable(fmu, rig, tmp_path):
+def test_masses_without_a_fixed_scale_are_not_identifiable(fmu, rig, tmp_path):
     """A search that ends near an end of a range must not give a narrow interval there."""
     free = {
         "imbalance_mass": (0.5, 20.0),
@@ -141,7 +141,7 @@ def test_masses_that_set_their_own_scale_are_not_identifiable(fmu, rig, tmp_path
         assert fit[name].interval[0] <= true <= fit[name].interval[1]
 
 
-def test_parameter_that_alone_sets_the_scale_is_named(fmu, tmp_path):
+def test_parameter_of_the_scale_is_named(fmu, tmp_path):
     free = {"imbalance_mass": (0.5, 2.0), "output_inertia": (0.2, 1.0), "load.torque": (2.0, 30.0)}
     fit = studies.fit(MEASURED, SCENE, free, output=tmp_path, fmu=fmu)
     assert fit.scale == ["mechanism.link2_inertia"]
@@ -158,7 +158,7 @@ def test_parameter_that_alone_sets_the_scale_is_named(fmu, tmp_path):
         ("imbalance_mass", (1.14, 1.3), "is at the end of its range"),
     ],
 )
-def test_range_that_is_too_narrow_or_elsewhere_has_a_warning(fmu, known, tmp_path, name, limits, doubt):
+def test_too_narrow_or_wrong_range_causes_a_warning(fmu, known, tmp_path, name, limits, doubt):
     fit = studies.fit(MEASURED, known, {name: limits}, starts=0, output=tmp_path, fmu=fmu)
     assert fit[name].doubt.startswith(doubt)
     assert [line for line in fit.warnings if line.startswith(f"mechanism.{name}: {doubt}")]
@@ -167,13 +167,13 @@ def test_range_that_is_too_narrow_or_elsewhere_has_a_warning(fmu, known, tmp_pat
     assert bool([line for line in fit.warnings if words in line]) == outside
 
 
-def test_a_scene_that_lacks_something_is_told_by_its_residuals(fmu, tmp_path):
+def test_residuals_reveal_an_incomplete_scene(fmu, tmp_path):
     wrong = load_scene(SCENE).with_keys({"load.torque": "15 N.m"})
     fit = studies.fit(MEASURED, wrong, MASS, output=tmp_path, fmu=fmu)
     assert any("residuals of omega_out are autocorrelated" in line for line in fit.warnings)
 
 
-def test_noise_that_is_known_weighs_and_judges(fmu, known, tmp_path):
+def test_specified_noise_sets_weights_and_tests(fmu, known, tmp_path):
     columns, units = read_columns(MEASURED)
     rows = len(columns["time"])
     noisy = {**columns, "omega2_noise": [0.5] * rows, "omega_out_noise": [0.05] * rows}
@@ -185,7 +185,7 @@ def test_noise_that_is_known_weighs_and_judges(fmu, known, tmp_path):
     assert any("the residuals are larger than the specified noise" in line for line in fit.warnings)
 
 
-def test_several_starts_find_what_a_search_from_a_wrong_place_misses(fmu, known, tmp_path):
+def test_several_starts_reach_a_minimum_that_a_single_start_misses(fmu, known, tmp_path):
     scene = known.with_keys({"drive.omega1": "75 rad/s"})
     free = {"drive.omega1": (50.0, 150.0)}
     alone = studies.fit(MEASURED, scene, free, columns=["omega2"], starts=0, output=tmp_path / "a", fmu=fmu)
@@ -199,7 +199,7 @@ def test_several_starts_find_what_a_search_from_a_wrong_place_misses(fmu, known,
     assert several.warnings == []
 
 
-def test_a_search_that_is_broken_off_is_told(fmu, known, tmp_path, monkeypatch):
+def test_interrupted_search_is_reported(fmu, known, tmp_path, monkeypatch):
     monkeypatch.setattr(importlib.import_module("inertia_module.studies.least_squares"), "MAX_EVALUATIONS", 2)
     scene = known.with_keys({"mechanism.imbalance_mass": 0.5})
     found = studies.fit(MEASURED, scene, FREE, output=tmp_path, fmu=fmu)
@@ -272,7 +272,7 @@ def test_an_offset_of_a_sensor_is_named_and_freed_it_gives_the_truth(offset, rig
     assert "offset" not in freed.files["scene"].read_text()
 
 
-def test_a_clock_that_is_late_is_named_and_found(fmu, known, measured, tmp_path):
+def test_shift_of_the_clock_is_estimated(fmu, known, measured, tmp_path):
     late = with_column(measured, time=measured.time + 3e-3)
     scene = known.with_keys({"run.stop_time": 0.6})
     found = studies.fit(late, scene, MASS, output=tmp_path, fmu=fmu)
@@ -286,7 +286,7 @@ def test_a_clock_that_is_late_is_named_and_found(fmu, known, measured, tmp_path)
     assert freed.warnings == []
 
 
-def test_a_wrong_unit_is_named_of_one_column_and_of_all(fmu, measured, tmp_path):
+def test_wrong_unit_is_named_for_a_column_and_for_all(fmu, measured, tmp_path):
     wrong = {name: measured[name] * 30.0 / np.pi for name in ("omega2", "omega_out")}
     one = studies.fit(with_column(measured, omega2=wrong["omega2"]), SCENE, FREE, output=tmp_path, fmu=fmu)
     assert one.causes[0].name == "gain.omega2"
@@ -306,7 +306,7 @@ def lossy(rig):
     return Result.from_columns(dict(zip(names, columns.values(), strict=True)), units)
 
 
-def test_a_loss_that_is_not_modelled_is_named_and_what_is_known_of_others_widens(fmu, rig, lossy, tmp_path):
+def test_unmodelled_loss_is_named_and_other_intervals_widen(fmu, rig, lossy, tmp_path):
     found = studies.fit(lossy, SCENE, FREE, output=tmp_path, fmu=fmu)
     mass = found["imbalance_mass"]
     assert mass.interval_if_exact[0] > 1.15
@@ -324,7 +324,7 @@ def test_a_loss_that_is_not_modelled_is_named_and_what_is_known_of_others_widens
     assert freed.causes == []
 
 
-def test_what_is_known_and_not_told_by_the_data_stays_as_it_was_known(fmu, known, tmp_path):
+def test_prior_of_an_unidentifiable_key_is_unchanged(fmu, known, tmp_path):
     free = {"imbalance_mass": None, "output_inertia": "0.5 +- 0.001"}
     fit = studies.fit(MEASURED, known, free, output=tmp_path, fmu=fmu)
     inertia = fit["output_inertia"]
@@ -332,7 +332,7 @@ def test_what_is_known_and_not_told_by_the_data_stays_as_it_was_known(fmu, known
     assert inertia.error == pytest.approx(0.001, rel=0.1)
 
 
-def test_what_is_known_to_be_so_is_no_suspect_and_sets_no_end(fmu, known, tmp_path):
+def test_prior_is_not_reported_as_a_cause_or_bound(fmu, known, tmp_path):
     so = {"output_inertia": "0.5 +- 0", "load.torque": "10 N.m +- 0", "offset.omega2": "0.5 rad/s +- 0"}
     fit = studies.fit(MEASURED, known, {"imbalance_mass": None, **so}, output=tmp_path, fmu=fmu)
     assert [one.name for one in fit.parameters] == ["mechanism.imbalance_mass"]
@@ -362,7 +362,7 @@ def test_wrong_radius_is_named_or_tied(fmu, rig, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", range(10))
-def test_fits_are_right_or_report_that_they_may_not_be(fmu, tmp_path, number):
+def test_fits_are_correct_or_report_doubts(fmu, tmp_path, number):
     from benchmarks import fit as benchmark
 
     verdicts = benchmark.run(benchmark.KINDS[number], 20, tmp_path, fmu)
@@ -376,7 +376,7 @@ def seen(fmu, scene, names, times, late=()):
         return rig.computed({f"shift.{name}": one for name, one in zip(names, late, strict=False)})
 
 
-def test_a_shifted_column_is_read_earlier_whatever_it_is(fmu):
+def test_shifted_column_of_any_kind_is_read_earlier(fmu):
     names = ["omega2", "output_torque_mean", "satellite_force_peak"]
     scene, times, late = load_scene(SCENE), 0.02 * np.arange(1.0, 12.0), [0.0, 3e-3, 7e-3]
     together = seen(fmu, scene, names, times, late)
@@ -389,7 +389,7 @@ def test_a_shifted_column_is_read_earlier_whatever_it_is(fmu):
 # --- measured between communication points ---
 
 
-def test_times_within_steps_give_what_short_steps_give(fmu):
+def test_times_within_steps_agree_with_short_steps(fmu):
     names = ["omega2", "omega_out", "output_torque", "output_torque_mean", "satellite_force_peak"]
     scene = load_scene(SCENE).replaced(run={"outputs": names}, accuracy={"tolerance": 1e-10})
     fine = run_scene(scene.replaced(run={"communication_step": 1e-4, "stop_time": 0.1}), fmu).record
@@ -423,7 +423,7 @@ def test_a_speed_extrapolated_over_steps_is_not_stopped_within_them(fmu):
 # --- what is refused, and the command ---
 
 
-def test_what_cannot_be_fitted_is_one_sentence(fmu, tmp_path):
+def test_invalid_fit_is_an_error_in_a_sentence(fmu, tmp_path):
     few = Result.from_columns({"time": [0.1, 0.2, 0.3], "omega2": [1.0, 2.0, 1.0]})
     idle = ["shaft_damping", "shaft_stiffness"]
     for measured, free, options, words in (
@@ -435,7 +435,7 @@ def test_what_cannot_be_fitted_is_one_sentence(fmu, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_command_leaves_scene_residuals_numbers_and_picture(fmu, tmp_path):
+def test_command_writes_scene_residuals_summary_and_plot(fmu, tmp_path):
     words = ["fit", MEASURED, SCENE, "--fmu", fmu, "-o", tmp_path]
     free = ["--free", "imbalance_mass=0.5:2", "--starts", "1", "--column", "omega_out"]
     told = json.loads(left(*words, *free, "--json"))

@@ -1,6 +1,6 @@
-"""libcosim and Ecos beyond the documented programs: several instances, inputs that change, refusals.
+"""Test libcosim and Ecos with several instances, changing inputs and rejections.
 
-Those programs run the FMUs and systems of them in these hosts and others (test_pages, test_export).
+test_pages and test_export run the documented programs in these hosts and others.
 """
 
 import pytest
@@ -74,15 +74,15 @@ def alone(path, speed, changes):
 
 
 def test_instances_in_a_host_follow_their_own_inputs_and_do_not_know_of_each_other(host, built):
-    found = printed(GIVEN + f"{SPEEDS}\n" + PROGRAMS[host], built)
+    values = printed(GIVEN + f"{SPEEDS}\n" + PROGRAMS[host], built)
     path, count = built / "InertiaModule.fmu", len(OUTPUTS)
     for n, speed in enumerate(SPEEDS):
         expected = alone(path, speed, CHANGES if n == 0 else ({},) * len(CHANGES))
         # hosts count time in their own ways, in the last digits
-        assert found[n * count : (n + 1) * count] == pytest.approx(expected, rel=1e-9)
+        assert values[n * count : (n + 1) * count] == pytest.approx(expected, rel=1e-9)
 
 
-def test_refusal_ends_the_run_and_says_why(host, built):
+def test_rejection_ends_the_run_with_a_message(host, built):
     bad = GIVEN + f"{(1e9, *SPEEDS[1:])}\n" + PROGRAMS[host]
     if host == "ecospy":
         printed(bad, built)  # goes on without results, and survives that

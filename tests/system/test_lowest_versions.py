@@ -31,9 +31,9 @@ COMMANDS = [
 
 def lowest(requirement):
     """The lowest version that a requirement allows, as a requirement."""
-    found = REQUIREMENT.match(requirement)
-    assert found, f"{requirement} must have a lower bound"
-    return f"{found[1]}=={found[3]}{'.0' if found[4] else ''}"
+    result = REQUIREMENT.match(requirement)
+    assert result, f"{requirement} must have a lower bound"
+    return f"{result[1]}=={result[3]}{'.0' if result[4] else ''}"
 
 
 def test_lowest_version_of_a_requirement():
@@ -49,10 +49,16 @@ def test_lowest_version_of_a_requirement():
 def test_lowest_versions_go_together_and_run_scenes_and_jobs(tmp_path):
     venv.create(tmp_path / "env", with_pip=True)
     python = str(tmp_path / "env" / "bin" / "python")
-    names = [*PROJECT["dependencies"], *(one for e in EXTRAS for one in PROJECT["optional-dependencies"][e])]
+    names = [
+        *PROJECT["dependencies"],
+        *(requirement for e in EXTRAS for requirement in PROJECT["optional-dependencies"][e]),
+    ]
     install = [python, "-m", "pip", "install", "-q", "--disable-pip-version-check", *map(lowest, names)]
     own = {"PYTHONPATH": str(ROOT / "fmu_src"), "INERTIA_MODULE_CACHE": str(tmp_path / "cache")}
-    for command in (install, *([python, "-m", "inertia_module", *map(str, one)] for one in COMMANDS)):
+    for command in (
+        install,
+        *([python, "-m", "inertia_module", *map(str, requirement)] for requirement in COMMANDS),
+    ):
         done = subprocess.run(
             command, cwd=tmp_path, env=os.environ | own, capture_output=True, text=True, check=False
         )

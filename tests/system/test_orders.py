@@ -67,7 +67,7 @@ def known(highest=None, turns=None, names=("x",)):
 
 
 @pytest.mark.parametrize("turns", [None, 8.0])
-def test_lines_of_a_known_run_up_have_their_orders_and_amplitudes(turns):
+def test_lines_of_a_synthetic_run_up_have_their_orders_and_amplitudes(turns):
     found = known(turns=turns)
     first, second = found.largest(2)["x"]
     assert (first.order, second.order) == pytest.approx((2.5, 7.0), rel=1e-12)
@@ -86,7 +86,7 @@ def test_lines_of_a_known_run_up_have_their_orders_and_amplitudes(turns):
         assert line.frequency == pytest.approx(line.order * line.speed / math.tau, rel=1e-3)
 
 
-def test_a_waterfall_tells_the_speed_of_each_window_whatever_the_signals_are(tmp_path):
+def test_waterfall_has_the_speed_of_each_window(tmp_path):
     found = known(highest=8.0, names=("x", "input_speed"))
     rows, units = read_columns(found.write(tmp_path)["waterfall"])
     assert sorted(set(rows["speed"])) == found.speed.tolist()
@@ -111,14 +111,14 @@ def test_complex_amplitudes_come_for_matlab(tmp_path):
     assert [read["units"][name] for name in ("order", "rpm", "frequency", "x")] == ["1", "rpm", "Hz", "N.m"]
 
 
-def test_all_that_swings_is_in_the_spectrum():
+def test_spectrum_contains_the_whole_oscillation():
     found = known()
     assert found.rms("x") == pytest.approx(math.sqrt(0.5 * (3.0**2 + 0.5**2)), rel=2e-3)
     low = known(highest=5.0)
     assert low.rms("x") == pytest.approx(3.0 / math.sqrt(2.0), rel=2e-3)
 
 
-def test_what_is_above_the_highest_order_does_not_fold_down():
+def test_orders_above_the_maximum_do_not_alias():
     turned = np.arange(0.0, 100.0, 1.0 / 200.0)
     columns = {"time": turned, "input_speed": 0.0 * turned + math.tau, "x": np.cos(math.tau * 30.5 * turned)}
     found = spectra(Result.from_columns(columns), turned, ["x"], highest=8.0)
@@ -126,7 +126,7 @@ def test_what_is_above_the_highest_order_does_not_fold_down():
 
 
 @pytest.mark.parametrize("turning", [0.0, 1.0])
-def test_a_line_that_bends_is_one_line_with_its_whole_amplitude(turning):
+def test_line_of_varying_order_is_a_single_line_with_its_amplitude(turning):
     turned = np.arange(0.0, 200.0, 0.01)
     drive = 1.7 * turned - 0.5 * turned**2 / 400.0  # 1.7 turns of the drive a turn, in the end 1.2
     swing = 3.0 * np.cos(math.tau * (drive + turning * turned)) + 0.5 * np.cos(math.tau * 5.5 * turned)
@@ -216,7 +216,7 @@ def test_output_torque_of_a_planar_module_held_is_a_sine_rectified(fmu):
 
 
 @pytest.mark.parametrize("omega1", [OMEGA1, -OMEGA1])
-def test_over_the_drive_angle_the_pulse_of_a_planar_module_is_order_1_whatever_the_output_does(fmu, omega1):
+def test_pulse_of_a_planar_module_is_order_1_of_the_pinion_shaft(fmu, omega1):
     scene = held(1.0, omega1, **PLANAR, output_inertia=3.0)
     found = studies.orders(scene, fmu, of="drive_angle", signals=["mesh_torque"], turns=8.0, end=0.9)
     assert found.largest(1)["mesh_torque"][0].order == pytest.approx(1.0, abs=0.04)
@@ -261,7 +261,7 @@ def test_the_module_in_shorter_steps_moves_as_in_the_steps_of_the_scene(fmu):
         assert often[name][::20] == pytest.approx(once[name], rel=1e-4, abs=1e-4), name
 
 
-def test_aliases_stay_below_the_least_line_that_is_listed(fmu):
+def test_aliases_are_below_the_smallest_listed_line(fmu):
     """A step twice as short moves no line by more than the share below which lines are left out."""
     scene = held(2.0, **PLANAR)
     first = studies.orders(scene, fmu, signals=["output_torque"], highest=8.0)
@@ -272,7 +272,7 @@ def test_aliases_stay_below_the_least_line_that_is_listed(fmu):
     assert np.abs(a - b).max() < order_run.MIN_SHARE * b.max()
 
 
-def test_a_signal_that_the_scene_computes_too_seldom_is_refused_with_the_step_that_would_do(fmu):
+def test_too_long_step_of_a_signal_is_rejected_with_a_sufficient_step(fmu):
     scene = load_scene(example("engine_launch")).replaced(run={"stop_time": 4.0})
     words = r"= ([\d.]+) ms or less .got 0.01 s.: the scene computes drive_torque once per communication step"
     step = float(re.search(words, refusal(studies.orders, scene, fmu, signals=["drive_torque"]))[1])
@@ -293,7 +293,7 @@ def test_a_scene_with_speeds_in_rpm_has_its_orders_in_rpm(fmu, tmp_path):
 # --- what is left out and refused ---
 
 
-def test_what_does_not_swing_is_left_out_but_where_it_is_asked_for(fmu, tmp_path):
+def test_constant_signals_are_omitted_unless_requested(fmu, tmp_path):
     scene = held(1.0, **PLANAR)
     swing = {"input_torque", "output_torque", "satellite_force_y", "satellite_force_z"}
     # The heavy output moves a little
@@ -314,7 +314,7 @@ def test_what_does_not_swing_is_left_out_but_where_it_is_asked_for(fmu, tmp_path
         assert read_columns(found.write(tmp_path)["orders"])[0]["omega1"] == [0.0] * found.order.size
 
 
-def test_a_run_up_from_rest_begins_where_it_turns(fmu):
+def test_run_up_from_rest_starts_with_the_rotation(fmu):
     ramp = {"kind": "ramp", "omega1": None, "initial": 0.0, "final": 100.0, "start": 0.5, "duration": 2.0}
     scene = held(2.5, **PLANAR).replaced(drive=ramp)
     found = studies.orders(scene, fmu, signals=["mesh_torque"], turns=4.0, highest=6.0)
@@ -334,7 +334,7 @@ def test_a_run_up_from_rest_begins_where_it_turns(fmu):
 
 
 @pytest.mark.parametrize("omega1", [OMEGA1, -OMEGA1])
-def test_components_of_the_bearing_force_are_those_of_two_circles(fmu, omega1):
+def test_components_of_the_bearing_force_are_two_circles(fmu, omega1):
     """Planar, link 2 held: the satellite goes round at omega1 and turns at (1 + R0 / r) omega1."""
     scene = held(2.0, omega1, **PLANAR)
     found = studies.orders(
@@ -362,12 +362,12 @@ RAMP = {"kind": "ramp", "omega1": None, "initial": 0.0, "final": 50.0, "duration
 @pytest.mark.parametrize(
     "drive, options, words", [*REFUSED["orders"], (RAMP, {"begin": 0.0}, "decreasing at 0 s")]
 )
-def test_orders_that_cannot_be_are_refused_in_a_sentence(fmu, drive, options, words):
+def test_invalid_orders_are_rejected_in_a_sentence(fmu, drive, options, words):
     scene = held(1.0, input_inertia=0.1).replaced(drive=drive)
     assert_refused(words, studies.orders, scene, fmu, **options)
 
 
-def test_a_run_in_which_nothing_swings_or_without_pulses_is_refused(fmu, monkeypatch):
+def test_run_without_oscillation_or_pulses_is_rejected(fmu, monkeypatch):
     monkeypatch.setattr(order_run, "SIGNALS", ("omega1", "input_speed"))
     assert_refused("all signals are constant: omega1, input_speed", studies.orders, held(stop=1.0), fmu)
     with pytest.raises(
@@ -379,7 +379,7 @@ def test_a_run_in_which_nothing_swings_or_without_pulses_is_refused(fmu, monkeyp
     assert_refused(words, studies.orders, locked, fmu, of="drive_angle", signals=["omega2"])
 
 
-def test_command_leaves_spectrum_waterfall_summary_and_picture(fmu, tmp_path):
+def test_command_writes_spectrum_waterfall_summary_and_plot(fmu, tmp_path):
     scene = example("planar")
     words = ["--signal", "input_torque", "--turns", "4", "--highest", "20", "--from"]
     options = [*words, "0 s", "--fmu", fmu, "-o", tmp_path]

@@ -44,19 +44,19 @@ def test_clock_runs_when_it_is_played_alone(page, opened):
     page.page.wait_for_function("inertiaModule.state().time > 0.005")
     page.press("Pause")
     stopped = page.state("time")
-    # at rest nothing asks for frames
+    # at rest no frame is requested
     page.drawn().page.evaluate(
         "() => { window.frames = 0; window.requestAnimationFrame = () => { window.frames += 1; }; }"
     )
     page.page.wait_for_timeout(200)
     assert (page.state("time"), page.page.evaluate("window.frames")) == (stopped, 0)
     assert page.errors == []
-    # and by itself where motion is wanted
+    # starts automatically if motion is allowed
     moving = opened(REFERENCE, reduced_motion="no-preference")
     moving.page.wait_for_function("inertiaModule.state().playing && inertiaModule.state().time > 0")
 
 
-def test_slider_changes_the_run_to_what_simulate_gives(page):
+def test_slider_changes_the_run_like_simulate(page):
     before = page.shown("omega_out")
     slider = page.page.get_by_role("slider", name="imbalance mass, kg")
     slider.focus()
@@ -107,14 +107,14 @@ def test_slider_of_an_engagement_angle_lets_link_2_turn_back_and_takes_power(pag
         played.append(page.drawn().state("play.housing"))
     assert played == pytest.approx((link2[rows] - link2[engaged]) / angle, abs=0.1)
     assert played[0] > 0.3 > played[-1] == 0.0
-    # what the impacts take, and how many they are, is told
+    # power and frequency of the impacts are printed
     page.page.evaluate("inertiaModule.seek(1.0)")
     page.page.get_by_role("combobox", name="Curves", exact=True).first.select_option("losses")
     legend = page.drawn().page.locator(".panel .legend").first.inner_text()
     assert float(re.search(r"freewheel\s+(\S+)\s+W", legend)[1]) > 10.0
     counts = [f"{page.shown(f'{which}_engagements')[-1]:.1f}" for which in ("housing", "output")]
-    told = page.page.get_by_role("row", name="engagements per second").locator("td").first.inner_text()
-    assert told == "/".join(counts)
+    text = page.page.get_by_role("row", name="engagements per second").locator("td").first.inner_text()
+    assert text == "/".join(counts)
 
 
 def test_every_scene_of_the_page_is_accepted(page):
@@ -129,7 +129,7 @@ def test_every_scene_of_the_page_is_accepted(page):
     assert page.errors == []
 
 
-def test_imbalance_is_drawn_where_the_kernel_has_it(page):
+def test_imbalance_is_drawn_at_its_kernel_position(page):
     """The picture is built of turned groups, its arrows by the page's own formulas."""
     askew = "reference&satellites=2&epsilon=0.4&gamma=-0.7&shaft_angle=1.2"
     for scene in (askew, "planar", "real-bevel", "elastic"):
@@ -140,9 +140,9 @@ def test_imbalance_is_drawn_where_the_kernel_has_it(page):
             page.page.keyboard.press("f")  # now from the housing, now from link 1
             assert page.settled().state("settings.shown.follow") != follow
             page.page.evaluate("time => inertiaModule.seek(time)", time[row])
-            found = page.drawn().state("imbalance")
-            assert found["drawn"] == pytest.approx(columns[:, row], abs=1e-6)
-            assert found["arrow"] == pytest.approx(columns[:, row], abs=1e-9)
+            position = page.drawn().state("imbalance")
+            assert position["drawn"] == pytest.approx(columns[:, row], abs=1e-6)
+            assert position["arrow"] == pytest.approx(columns[:, row], abs=1e-9)
 
 
 def test_clock_curves_and_switches_agree(page):
@@ -150,8 +150,8 @@ def test_clock_curves_and_switches_agree(page):
     assert time == pytest.approx(0.4321, rel=1e-3)
     row = np.searchsorted(page.shown("time"), time, side="right") - 1
     values = [page.shown(name)[row] for name in ("input_speed", "omega2", "omega_out")]
-    told = [float(text.replace("−", "-").split()[0]) for text in page.ask("legend")]
-    assert told == pytest.approx(values, abs=0.01)
+    printed = [float(text.replace("−", "-").split()[0]) for text in page.ask("legend")]
+    assert printed == pytest.approx(values, abs=0.01)
     # the cursor of the curves stands there, and a press on them goes there
     curves = page.page.locator(".panel:first-child .u-over")
     over = curves.bounding_box()
@@ -174,7 +174,7 @@ def test_clock_curves_and_switches_agree(page):
     assert 2 <= ((switches > begin - 1e-9) & (switches <= end + 1e-9)).sum() <= 6
 
 
-def test_link_restores_the_state_and_names_what_is_wrong_in_it(page):
+def test_link_restores_the_state_and_reports_invalid_values(page):
     set_field(page, "load_torque", "4.5")
     page.settled()  # places of the slider are shares of the run as far as it is
     page.page.get_by_label("cut-away").uncheck()
@@ -266,7 +266,7 @@ def test_files_of_the_run_and_the_scene(page):
     assert (read.load.torque, read.run.stop_time, read.accuracy.tolerance) == (4.5, 1.0, 1e-9)
 
 
-def test_converter_chart_is_that_of_the_package(page):
+def test_converter_chart_agrees_with_the_package(page):
     """Stall torque and efficiency of scene R1 without losses, and the point of the run."""
     page.page.get_by_label("Phase plot or torque converter chart").select_option("chart")
     ready = "document.querySelector('.note:not([hidden])').textContent.startsWith('Periodic steady state')"
@@ -276,7 +276,7 @@ def test_converter_chart_is_that_of_the_package(page):
     assert [point["efficiency"] for point in points[1:15]] == pytest.approx([100.0] * 14, abs=0.1)
     torques = [point["output"] for point in points]
     assert torques == sorted(torques[:12], reverse=True) + torques[12:]
-    # what goes in comes out, for nothing is lost
+    # output power equals input power without losses
     for point in points[1:15]:
         assert point["input"] == pytest.approx(point["ratio"] * point["output"], abs=0.02 * torques[0])
 
@@ -294,7 +294,7 @@ def sized(still, request):
     return still.at("")
 
 
-def test_nothing_hangs_over_in_any_font_and_the_theme_can_be_switched(sized):
+def test_no_text_overflows_in_any_font_and_the_theme_switches(sized):
     before = sized.page.evaluate(PAPER)
     sized.press("Light or dark theme")
     assert sized.page.evaluate(PAPER) != before
@@ -343,7 +343,7 @@ def test_first_picture_and_frames_are_quick(browser, written):
         assert opened.state("playing")
 
 
-# --- the kernel in the page computes what the native FMU computes, and says what that says ---
+# --- the kernel in the page has the results and messages of the native FMU ---
 
 
 INPUTS = ("omega1", "load_torque", "drive_torque")
@@ -368,27 +368,27 @@ def options(values):
     return {"parameters": parameters, "inputs": inputs, "step": STEP, "steps": STEPS, "outputs": READ}
 
 
-def native(built, given, over_time=lambda time: {}):
+def native(built, values, over_time=lambda time: {}):
     """Run the native FMU so, with inputs and their rates over time: columns of READ."""
     start = {name: value for name, (value, _) in over_time(0.0).items()}
-    with Fmu(built / "InertiaModule.fmu", given["parameters"], given["inputs"] | start) as fmu:
+    with Fmu(built / "InertiaModule.fmu", values["parameters"], values["inputs"] | start) as fmu:
         rows = [fmu.read(READ)]
-        for n in range(given["steps"]):
-            now = over_time(n * given["step"])
+        for n in range(values["steps"]):
+            now = over_time(n * values["step"])
             fmu.set(**{name: value for name, (value, _) in now.items()})
             fmu.set_rates(**{name: rate for name, (_, rate) in now.items()})
-            fmu.advance(given["step"])
+            fmu.advance(values["step"])
             rows.append(fmu.read(READ))
     return dict(zip(READ, np.array(rows).T, strict=True))
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_simulate_is_the_native_fmu_in_every_output(still, built, case):
-    given = options(CASES[case])
-    expected, found = native(built, given), still.simulate(given)
-    assert found["time"] == pytest.approx([n * STEP for n in range(STEPS + 1)], abs=0.0, rel=1e-15)
+    run_options = options(CASES[case])
+    expected, actual = native(built, run_options), still.simulate(run_options)
+    assert actual["time"] == pytest.approx([n * STEP for n in range(STEPS + 1)], abs=0.0, rel=1e-15)
     off = {
-        name: np.abs(np.array(found[name]) - values).max() / max(np.abs(values).max(), 1.0)
+        name: np.abs(np.array(actual[name]) - values).max() / max(np.abs(values).max(), 1.0)
         for name, values in expected.items()
     }
     assert {name: error for name, error in off.items() if not error <= 1e-9} == {}
@@ -407,10 +407,10 @@ BAD = {
 
 def test_bad_value_gives_the_sentence_of_the_native_fmu(still, built):
     for case, values in BAD.items():
-        given = options(values)
+        run_options = options(values)
         with pytest.raises(FmuError) as refused:
-            native(built, given)
-        assert still.simulate(given) == str(refused.value), case
+            native(built, run_options)
+        assert still.simulate(run_options) == str(refused.value), case
 
 
 # up to speed and, by a jump, to another load
@@ -422,27 +422,29 @@ OVER_TIME = {
 
 def over_time(time):
     """Value of each input just after a time, and its rate until the next point."""
-    found = {}
+    values = {}
     for name, signal in OVER_TIME.items():
         points = list(zip(signal["times"], signal["values"], strict=True))
         before = max(n for n, point in enumerate(points) if point[0] <= time)
         (begin, value), (end, last) = points[before], [*points, (math.inf, points[-1][1])][before + 1]
         rate = (last - value) / (end - begin)
-        found[name] = value + rate * (time - begin), rate
-    return found
+        values[name] = value + rate * (time - begin), rate
+    return values
 
 
 def test_inputs_over_time_are_straight_lines_as_the_fmu_takes_them(still, built):
-    given = {**options({}), "steps": 400}  # beyond the last point
-    found = still.simulate({**given, "inputs": OVER_TIME})
-    for name, values in native(built, given, over_time).items():
-        assert found[name] == pytest.approx(values, rel=1e-9, abs=1e-9 * max(np.abs(values).max(), 1.0)), name
+    run_options = {**options({}), "steps": 400}  # beyond the last point
+    actual = still.simulate({**run_options, "inputs": OVER_TIME})
+    for name, values in native(built, run_options, over_time).items():
+        assert actual[name] == pytest.approx(values, rel=1e-9, abs=1e-9 * max(np.abs(values).max(), 1.0)), (
+            name
+        )
 
 
 def test_integrate_is_simulate_in_slices_with_angles_whole(still):
-    given = options({**scenes.PLANAR, "tolerance": 1e-12})  # which takes some slices
-    run = still.ask("integrate", {**given, "duration": 2.0})
-    at_once = still.simulate({**given, "steps": 2000})
+    run_options = options({**scenes.PLANAR, "tolerance": 1e-12})  # which takes some slices
+    run = still.ask("integrate", {**run_options, "duration": 2.0})
+    at_once = still.simulate({**run_options, "steps": 2000})
     assert run["complete"]
     assert run["calls"] > 1
     assert run["time"] == at_once["time"]
@@ -451,26 +453,26 @@ def test_integrate_is_simulate_in_slices_with_angles_whole(still):
     assert run["columns"]["q"] == pytest.approx(turned, rel=1e-15)
 
 
-def test_run_that_is_refused_on_its_way_keeps_what_it_has(still):
-    given = options({"load_torque": 10.0})
-    given["inputs"]["omega1"] = {"times": [0.0, 0.0105, 0.0105], "values": [100.0, 100.0, 1e300]}
-    run = still.ask("integrate", {**given, "duration": 1.0})
+def test_run_that_fails_in_the_middle_keeps_its_rows(still):
+    run_options = options({"load_torque": 10.0})
+    run_options["inputs"]["omega1"] = {"times": [0.0, 0.0105, 0.0105], "values": [100.0, 100.0, 1e300]}
+    run = still.ask("integrate", {**run_options, "duration": 1.0})
     assert not run["complete"]
     assert len(run["time"]) == len(run["columns"]["omega2"]) == 12
-    assert run["error"] == still.simulate(given)
+    assert run["error"] == still.simulate(run_options)
     assert run["error"].startswith("omega1 must be between ")
 
 
-def test_warnings_are_those_of_the_native_fmu(still, built):
-    given = options({"layout": 1, "eccentricity": 0.05, "satellites": 12, "omega1": 10.0})
-    run = still.ask("integrate", {**given, "duration": 0.01})
-    with Fmu(built / "InertiaModule.fmu", given["parameters"], given["inputs"]) as fmu:
+def test_warnings_agree_with_the_native_fmu(still, built):
+    run_options = options({"layout": 1, "eccentricity": 0.05, "satellites": 12, "omega1": 10.0})
+    run = still.ask("integrate", {**run_options, "duration": 0.01})
+    with Fmu(built / "InertiaModule.fmu", run_options["parameters"], run_options["inputs"]) as fmu:
         assert run["warnings"] == fmu.warnings
     assert len(run["warnings"]) == 2
 
 
-def test_thousand_instances_take_the_memory_of_one(still):
-    """Instances are given back, also those that are refused."""
+def test_memory_does_not_grow_over_a_thousand_instances(still):
+    """Instances are freed, also after a rejection."""
     good = {**options({"omega1": 100.0}), "steps": 2, "outputs": ["omega_out"]}
     bad = {**good, "parameters": {"tolerance": 7.0}}
     assert still.ask("thousand", [good, bad]) == still.simulate(good)["omega_out"][-1]
@@ -486,7 +488,7 @@ MOST_BYTES = 2_500_000
 
 
 def check_page(page):
-    """It opens from disk, asks for nothing and is no larger than a page may be."""
+    """The page opens from disk, sends no requests and is not too large."""
     page.page.wait_for_timeout(500)
     assert (page.errors, page.requests) == ([], [])
     assert page.path.stat().st_size < MOST_BYTES
@@ -520,41 +522,41 @@ def test_a_run_too_coarse_for_its_pulses_shows_means_and_dots_in_place_of_curves
     speeds, torques = (panel.inner_text() for panel in page.page.locator(".panel .legend").all())
     table = page.page.locator(".instruments").first.inner_text()
     assert "ω2 link 2, instantaneous" in speeds
-    (told,) = re.findall(r"M2 mesh, mean\s+(\S+)\s+N·m", torques)
+    (value,) = re.findall(r"M2 mesh, mean\s+(\S+)\s+N·m", torques)
     (now,) = re.findall(r"step-averaged torques.*mesh torque, M2\s+(\S+)", table, re.S)
-    assert told == now
+    assert value == now
     assert float(now.replace("−", "-")) == pytest.approx(mean, abs=0.01)
     page.page.get_by_label("Scene", exact=True).select_option("reference")
     page.settled()
     assert "mean" not in page.page.locator(".panel .legend").nth(1).inner_text()
 
 
-def test_a_row_of_a_long_run_has_the_means_and_peaks_of_those_left_out(monkeypatch):
+def test_row_of_a_long_run_includes_means_and_peaks_of_omitted_rows(monkeypatch):
     columns = {"time": np.arange(8.0), "torque_mean": np.arange(8.0), "force_peak": -np.arange(8.0)}
     record = Result(columns, {})
     monkeypatch.setattr(html, "MOST", 6)
-    found = html.page_run(record)
-    assert found["step"] == 3.0
-    packed = zlib.decompress(base64.b64decode(found["numbers"]), -zlib.MAX_WBITS)
+    run = html.page_run(record)
+    assert run["step"] == 3.0
+    packed = zlib.decompress(base64.b64decode(run["numbers"]), -zlib.MAX_WBITS)
     torque, force = np.frombuffer(packed, "<f4").reshape(2, -1)
-    assert (found["every"], found["rows"]) == (3, 3)
+    assert (run["every"], run["rows"]) == (3, 3)
     assert torque.tolist() == [0.0, 2.0, 5.0]
     assert force.tolist() == [0.0, -1.0, -4.0]
 
 
-def test_run_leaves_the_page_beside_its_table(fmu, tmp_path):
-    told = left("run", REFERENCE, "--view", "--json", "--fmu", fmu, "-o", tmp_path)
-    assert json.loads(told)["files"]["page"] == str(tmp_path / "page.html")
+def test_run_writes_the_page_next_to_its_table(fmu, tmp_path):
+    printed = left("run", REFERENCE, "--view", "--json", "--fmu", fmu, "-o", tmp_path)
+    assert json.loads(printed)["files"]["page"] == str(tmp_path / "page.html")
     assert "drive_turns" not in Result.from_csv(tmp_path / "table.csv")
     assert (tmp_path / "page.html").stat().st_size < MOST_BYTES
 
 
-def test_page_or_report_that_cannot_be_made_or_written_is_refused_before_the_run(tmp_path, monkeypatch):
+def test_impossible_page_or_report_is_rejected_before_the_run(tmp_path, monkeypatch):
     monkeypatch.setattr("inertia_module.scene.run_scene", lambda *_, **__: pytest.fail("it was run"))
     (tmp_path / "folder.html").mkdir()
     (tmp_path / "file").write_text("a file")
     shaft, missing = EXAMPLES / "papers" / "stelmashchuk_stepping.toml", tmp_path / "template.html"
-    told = "error: the viewer has not been built. Run `make page` in a clone, or install the wheel.\n"
+    message = "error: the viewer has not been built. Run `make page` in a clone, or install the wheel.\n"
     for template, arguments, place, sentence in (
         (
             TEMPLATE,
@@ -568,8 +570,8 @@ def test_page_or_report_that_cannot_be_made_or_written_is_refused_before_the_run
         (TEMPLATE, ("view", ENGINE), "file/page.html", "cannot write to "),
         (TEMPLATE, ("report", ENGINE), "report.pdf", "--output must be a file with the ending .html (got "),
         (TEMPLATE, ("report", ENGINE), "file/report.html", "cannot write to "),
-        (missing, ("view", REFERENCE), "page.html", told),
-        (missing, ("run", REFERENCE, "--view"), "page.html", told),
+        (missing, ("view", REFERENCE), "page.html", message),
+        (missing, ("run", REFERENCE, "--view"), "page.html", message),
     ):
         monkeypatch.setattr(html, "TEMPLATE", template)
         is_one_line(command(*arguments, "-o", tmp_path / place), sentence)

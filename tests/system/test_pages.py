@@ -177,7 +177,7 @@ def scripts():
     sys.path.remove(str(STUDIES))
 
 
-def test_launch_stall_torque_grows_with_the_square_and_averaged_times_are_those_of_rigid(fmu):
+def test_launch_stall_torque_is_quadratic_and_averaged_times_agree_with_rigid(fmu):
     import launch
 
     rows, _ = launch.study(fmu)
@@ -188,7 +188,7 @@ def test_launch_stall_torque_grows_with_the_square_and_averaged_times_are_those_
     assert most == pytest.approx(rigid_most, rel=0.02)
 
 
-def test_load_step_above_stall_torque_is_held_locked_up_and_beyond_that_the_shaft_rests_and_comes_back(fmu):
+def test_load_step_lock_up_transmits_more_than_stall_torque_and_the_shaft_restarts(fmu):
     import load_step
 
     rows, _ = load_step.study(fmu)
@@ -226,7 +226,7 @@ def test_hoist_holds_its_load_without_a_brake_and_cannot_without_the_freewheel_o
     assert hoist.run(rows[1][0], False, fmu, stop=1.0)["height"][-1] < -0.1
 
 
-def test_noise_on_sensor_and_load_leaves_the_car_within_the_tolerances_of_the_cycle(fmu):
+def test_car_with_noise_stays_within_the_tolerances_of_the_cycle(fmu):
     import noisy_cycle
 
     table = noisy_cycle.run(*noisy_cycle.CASES["both"], fmu)

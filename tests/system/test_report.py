@@ -93,7 +93,7 @@ def test_report_has_every_section_every_warning_and_the_numbers_of_the_summary(r
     assert found["How to reproduce this report"].find("pre").text == scene.read_text(encoding="utf-8")
 
 
-def test_report_asks_for_nothing_and_a_title_cannot_break_out_of_it(reported, tmp_path):
+def test_report_needs_no_network_and_escapes_the_title(reported, tmp_path):
     title = '</title></h1><script>alert(1)</script><!-- & <b> \\"x'
     scene = tmp_path / "hostile.toml"
     scene.write_text(f'title = "{title}"\n' + REFERENCE.read_text().split("\n", 1)[1])
@@ -107,7 +107,7 @@ def test_report_asks_for_nothing_and_a_title_cannot_break_out_of_it(reported, tm
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_parameters_say_where_they_are_from(reported, tmp_path):
+def test_parameters_have_their_source(reported, tmp_path):
     (tmp_path / "speed.csv").write_text("time,omega1 [rpm]\n0,900\n1,900\n")
     scene = tmp_path / "scene.toml"
     text = (EXAMPLES / "planar.toml").read_text().replace('kind = "constant"\nomega1 = "120 rad/s"', "")
@@ -152,7 +152,7 @@ LEFT_OUT = [
 
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("given, expected", LEFT_OUT, ids=lambda given: "-".join(map(str, given)))
-def test_what_a_scene_cannot_have_is_left_out_with_the_sentence_why(reported, given, expected):
+def test_missing_sections_have_a_reason(reported, given, expected):
     scene, *keys = given
     found = sections(reported(scene, *keys)[0])
     for title, words in expected.items():
@@ -163,7 +163,7 @@ def test_what_a_scene_cannot_have_is_left_out_with_the_sentence_why(reported, gi
         assert found[title].find("img") is None
 
 
-def test_duty_is_that_of_the_summary_beside_its_limits_and_one_that_is_passed_is_a_warning(reported):
+def test_duty_is_shown_with_limits_and_an_exceeded_limit_is_a_warning(reported):
     limits = ("freewheels.indexing_frequency=2 Hz", "freewheels.output.torque=150 N.m")
     root, result = reported(REFERENCE, *limits, "housing_freewheel=false")
     found, numbers = sections(root), result.lines()

@@ -61,7 +61,7 @@ def visit(site, browser):
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-def test_every_page_is_whole_at_this_width_in_any_font_and_asks_the_network_for_nothing(site, visit, width):
+def test_every_page_fits_this_width_in_any_font_without_network(site, visit, width):
     address, folder = site
     wrong, asked = [], []
     page = visit("index.html", width)
@@ -96,7 +96,7 @@ def test_machine_opens_from_the_first_page(visit):
     page.wait_for_function("window.inertiaModule")
 
 
-def test_a_long_page_has_a_way_to_the_top_wherever_one_reads(visit):
+def test_long_page_has_a_button_to_the_top(visit):
     page = visit("explanation/mechanics.html", "phone")
     top = page.get_by_role("link", name="↑ top")
     for share in (0.3, 0.95):

@@ -69,7 +69,7 @@ def found(scene, fmu, cluster, tmp_path_factory):
     return studies.sweep(scene, VARY, output=folder, fmu=fmu, scheduler=cluster.address)
 
 
-def test_one_instance_after_the_other_gives_what_run_scene_gives(scene, fmu):
+def test_sequential_instances_agree_with_run_scene(scene, fmu):
     points = [
         {"mechanism.imbalance_mass": 2.0, "mechanism.fidelity": "averaged"},
         {},
@@ -87,7 +87,7 @@ def test_one_instance_after_the_other_gives_what_run_scene_gives(scene, fmu):
     assert rows[1].metrics == rows[-1].metrics
 
 
-def test_a_cluster_started_by_hand_gives_the_same_table_a_refusal_its_row_and_sentence(scene, found, fmu):
+def test_manually_started_cluster_gives_the_same_table_with_rejections(scene, found, fmu):
     assert len(found.rows) == 32 == found.new
     assert told(found.rows) == told(evaluated(scene, fmu, grid(axes_of(VARY, scene))))
     assert len(found.refused) == 8
@@ -99,7 +99,7 @@ def test_a_cluster_started_by_hand_gives_the_same_table_a_refusal_its_row_and_se
     assert all(row.metrics["energy_in"] > 0.0 for row in found.rows if not row.refused)
 
 
-def test_what_is_done_is_not_done_again(scene, fmu, found):
+def test_completed_points_are_not_repeated(scene, fmu, found):
     folder = found.files["csv"].parent
     # nothing listens there: no worker is asked for
     again = studies.sweep(scene, VARY, output=folder, fmu=fmu, scheduler="tcp://127.0.0.1:1")
@@ -127,7 +127,7 @@ def listening(processes):
     return {socket.laddr for socket in sockets if socket.status == psutil.CONN_LISTEN}
 
 
-def test_a_point_that_ends_its_workers_is_refused_alone_and_nobody_elsewhere_can_reach_them(fmu):
+def test_point_that_crashes_its_workers_is_rejected_and_workers_are_local(fmu):
     own = psutil.Process()
     before = listening([own, *own.children(recursive=True)])  # other tests of this process may listen too
     # the workers cannot import this file
@@ -147,7 +147,7 @@ def test_a_point_that_ends_its_workers_is_refused_alone_and_nobody_elsewhere_can
     assert {address.ip for address in addresses} == {"127.0.0.1"}
 
 
-def test_workers_that_go_on_keep_nothing_of_a_task_that_is_over(scene, fmu, cluster):
+def test_workers_release_a_finished_task(scene, fmu, cluster):
     task = Task(fmu.read_bytes(), scene.tables, summaries)
     name = task.identity
     with pool(task, cluster.address) as client:
@@ -164,7 +164,7 @@ def slow_scene():
     return load_scene(REFERENCE, LONG)
 
 
-def test_a_client_that_is_killed_loses_nothing(slow_scene, fmu, cluster, tmp_path):
+def test_killed_client_loses_no_results(slow_scene, fmu, cluster, tmp_path):
     command = [
         sys.executable,
         "-m",
@@ -191,17 +191,17 @@ def test_a_client_that_is_killed_loses_nothing(slow_scene, fmu, cluster, tmp_pat
     assert not found.refused
 
 
-def test_a_worker_that_is_killed_loses_nothing(slow_scene, fmu, cluster, tmp_path):
+def test_killed_worker_loses_no_results(slow_scene, fmu, cluster, tmp_path):
     victims = [cluster.worker()]
     with Client(cluster.address) as client:
         client.wait_for_workers(3, timeout=60)
 
-    def kill_one(share):
+    def kill_worker(share):
         if victims:
             os.kill(victims.pop().pid, signal.SIGKILL)
 
     found = studies.sweep(
-        slow_scene, SLOW, output=tmp_path, fmu=fmu, scheduler=cluster.address, progress=kill_one
+        slow_scene, SLOW, output=tmp_path, fmu=fmu, scheduler=cluster.address, progress=kill_worker
     )
     assert not victims
     assert len(found.rows) == 60 == found.new
@@ -236,7 +236,7 @@ def sweep_command(fmu, folder, *options):
     return [*command, *keys, "-o", str(folder), "--fmu", str(fmu), *options]
 
 
-def test_scheduler_of_another_version_is_one_line(scene, fmu, cluster, tmp_path, monkeypatch):
+def test_scheduler_of_another_version_is_an_error_in_a_line(scene, fmu, cluster, tmp_path, monkeypatch):
     failing = Mock(side_effect=TypeError("Scheduler.identity() got an unexpected keyword argument"))
     monkeypatch.setattr(workers, "Client", failing)
     monkeypatch.setattr(workers.distributed, "__version__", "2024.8.0")
@@ -245,7 +245,7 @@ def test_scheduler_of_another_version_is_one_line(scene, fmu, cluster, tmp_path,
         studies.sweep(scene, VARY, output=tmp_path, fmu=fmu, scheduler=cluster.address)
 
 
-def test_worker_without_the_package_is_one_line(scene, fmu, empty_cluster, tmp_path):
+def test_worker_without_the_package_is_an_error_in_a_line(scene, fmu, empty_cluster, tmp_path):
     empty_cluster.worker(without="inertia_module")
     with Client(empty_cluster.address) as client:
         client.wait_for_workers(1, timeout=60)
@@ -254,7 +254,7 @@ def test_worker_without_the_package_is_one_line(scene, fmu, empty_cluster, tmp_p
         studies.sweep(scene, VARY, output=tmp_path / "out", fmu=fmu, scheduler=empty_cluster.address)
 
 
-def test_worker_of_another_version_of_the_package_is_one_line(scene, fmu, cluster, tmp_path, monkeypatch):
+def test_worker_of_another_version_is_an_error_in_a_line(scene, fmu, cluster, tmp_path, monkeypatch):
     with Client(cluster.address) as client:
         client.wait_for_workers(1, timeout=60)
     monkeypatch.setattr(workers, "__version__", "0.1.0")
@@ -263,30 +263,28 @@ def test_worker_of_another_version_of_the_package_is_one_line(scene, fmu, cluste
         studies.sweep(scene, VARY, output=tmp_path, fmu=fmu, scheduler=cluster.address)
 
 
-def test_task_that_fails_on_a_worker_is_one_line(fmu, cluster):
+def test_failed_task_on_a_worker_is_an_error_in_a_line(fmu, cluster):
     task = Task(fmu.read_bytes(), {}, print)
     words = "a worker cannot do the task: TypeError: "
     with pool(task, cluster.address) as client, pytest.raises(workers.ClusterError, match=words):
         list(evaluations(client, task.identity, [{}]))
 
 
-def test_file_that_is_no_fmu_is_named_by_the_worker(scene, cluster, tmp_path):
+def test_invalid_fmu_is_named_by_the_worker(scene, cluster, tmp_path):
     (tmp_path / "x.fmu").write_text("no FMU")
     sweep = partial(studies.sweep, scene, VARY, output=tmp_path / "out", fmu=tmp_path / "x.fmu")
     assert_refused("cannot read .*Module.fmu: not a zip archive", sweep, scheduler=cluster.address)
 
 
 @pytest.mark.parametrize("number", [0, -1])
-def test_number_of_workers_is_at_least_one(scene, fmu, tmp_path, number):
+def test_number_of_workers_must_be_positive(scene, fmu, tmp_path, number):
     assert_refused(
         f"workers must be at least 1 .got {number}.$",
         partial(studies.sweep, scene, VARY, output=tmp_path, fmu=fmu, workers=number),
     )
 
 
-def test_scheduler_without_workers_is_a_notice_and_workers_that_come_do_the_work(
-    fmu, empty_cluster, tmp_path
-):
+def test_scheduler_without_workers_is_a_notice_until_workers_connect(fmu, empty_cluster, tmp_path):
     command = sweep_command(fmu, tmp_path / "out", "--scheduler", empty_cluster.address)
     client = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     notice = f"the scheduler at {empty_cluster.address} has no workers: waiting for some\n"
@@ -308,7 +306,7 @@ def test_script_needs_no_guard(fmu, tmp_path):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="process groups are those of POSIX")
-def test_ctrl_c_is_one_line_and_the_same_command_continues(fmu, tmp_path):
+def test_ctrl_c_is_an_error_in_a_line_and_the_command_resumes(fmu, tmp_path):
     command = sweep_command(fmu, tmp_path / "out", "--workers", "1")
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     client = subprocess.Popen(command, start_new_session=True, **pipes)
@@ -344,7 +342,7 @@ def designs(spec, fmu, tmp_path_factory):
     return studies.design(spec, output=tmp_path_factory.mktemp("one"), fmu=fmu, workers=1)
 
 
-def test_designs_that_meet_all_limits_are_found_and_no_other_is_better(designs):
+def test_front_contains_all_best_designs_within_the_limits(designs):
     assert designs.chosen == designs.finalists
     assert len(designs.chosen) == 3
     for row in designs.front:
@@ -359,13 +357,13 @@ def test_designs_that_meet_all_limits_are_found_and_no_other_is_better(designs):
     assert "; tightest in design 1: " in verdict
 
 
-def test_the_same_seed_gives_the_same_whatever_the_number_of_workers(designs, spec, fmu, cluster, tmp_path):
+def test_designs_of_a_seed_do_not_depend_on_the_number_of_workers(designs, spec, fmu, cluster, tmp_path):
     two = studies.design(spec, output=tmp_path, fmu=fmu, scheduler=cluster.address)
     assert told(two.rows) == told(designs.rows)
     assert told(one.checked for one in two.finalists) == told(one.checked for one in designs.finalists)
 
 
-def test_a_chosen_design_is_a_scene_with_units_that_runs_and_gives_its_figures(designs, fmu):
+def test_design_is_written_as_a_scene_that_reproduces_its_values(designs, fmu):
     for number, one in enumerate(designs.finalists, 1):
         read, text = load_scene(one.file), one.file.read_text()
         assert read.tables == one.scene.tables
@@ -396,7 +394,7 @@ def test_table_and_picture_of_a_design_have_whole_numbers_and_units(designs):
     assert {text.get_text() for text in panel.texts} == set(numbers)
 
 
-def test_another_search_of_the_same_scene_takes_what_is_there(designs, spec, fmu, cluster):
+def test_second_search_of_a_scene_reuses_its_runs(designs, spec, fmu, cluster):
     harder = read_spec(spec, {"metrics.stall_torque.minimum": "2 kN.m"})
     folder = designs.files["checked csv"].parent
     stopped = studies.design(harder, output=folder, fmu=fmu, scheduler=cluster.address)
@@ -408,7 +406,7 @@ def test_another_search_of_the_same_scene_takes_what_is_there(designs, spec, fmu
     assert "(limit: at least 2000 N.m)" in stopped.verdict()
 
 
-def test_a_search_that_has_found_nothing_yet_goes_on_while_it_comes_nearer(spec, fmu, cluster, tmp_path):
+def test_search_without_a_valid_design_continues_while_it_improves(spec, fmu, cluster, tmp_path):
     """Whatever the seed: after one generation no design meets all limits, and there are some."""
     # far from what the first generation has, within what the ranges allow
     far = ["metrics.stall_torque.minimum=300 N.m", "search.generations=1"]
@@ -427,7 +425,7 @@ def test_a_search_that_has_found_nothing_yet_goes_on_while_it_comes_nearer(spec,
     assert "search.longest = 1e-06 s ended the search" in cut.verdict()
 
 
-def test_a_search_that_another_seed_betters_says_so(spec, fmu, cluster, tmp_path):
+def test_search_reports_a_better_design_of_another_seed(spec, fmu, cluster, tmp_path):
     """The second of two searches in a folder knows what the first found."""
     short = ["search.population=4", "search.generations=1", "search.starts=1"]
     given = [[], [*short, "search.seed=7"]]
@@ -445,7 +443,7 @@ def test_a_search_that_another_seed_betters_says_so(spec, fmu, cluster, tmp_path
     assert f"caveat: {told}" in brief.lines(worse[0])
 
 
-def test_a_search_that_stalls_starts_again(spec, fmu, cluster, tmp_path):
+def test_stalled_search_restarts(spec, fmu, cluster, tmp_path):
     """From few designs of which none is heavy enough a start may stall; another one finds what there is."""
     lone = ["metrics.stall_torque.minimum=250 N.m", "search.population=4", "search.generations=1"]
     for starts in (1, 50):
@@ -456,7 +454,7 @@ def test_a_search_that_stalls_starts_again(spec, fmu, cluster, tmp_path):
         assert bool(found.chosen) == (starts == 50)
 
 
-def test_a_figure_that_no_run_has_is_refused(spec, fmu, cluster, tmp_path):
+def test_unknown_figure_is_rejected(spec, fmu, cluster, tmp_path):
     wrong = spec.with_name("wrong.toml")
     wrong.write_text(SPEC.replace("omega_out_final", "omega_out_last"))
     with pytest.raises(

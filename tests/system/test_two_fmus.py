@@ -56,11 +56,11 @@ def stepped(built, advance, step, steps, look, module=HUB, shaft=SHAFT, speed=0.
                 Fmu(built / "DrivenShaft.fmu", shaft, {"load_torque": load, "hub_speed": speed})
             ),
         )
-        found = []
+        rows = []
         for _ in range(steps):
             advance(*both, step)
-            found.append(look(*both))
-        return np.array(found), both[0]["energy_out"], both[1]["energy_in"]
+            rows.append(look(*both))
+        return np.array(rows), both[0]["energy_out"], both[1]["energy_in"]
 
 
 def coupled(built, advance, step):
@@ -72,8 +72,8 @@ def coupled(built, advance, step):
     return speeds[every - 1 :: every], (left - arrived) / abs(left)
 
 
-def error(found, expected):
-    return math.sqrt(np.mean((found[:, 1] - expected[:, 1]) ** 2)) / np.abs(expected[:, 1]).max()
+def error(actual, expected):
+    return math.sqrt(np.mean((actual[:, 1] - expected[:, 1]) ** 2)) / np.abs(expected[:, 1]).max()
 
 
 @pytest.mark.parametrize("way, order", [(JACOBI, 1.0), (gauss_seidel, 1.0), (WITH_DERIVATIVES, 2.0)])
@@ -82,17 +82,17 @@ def test_two_fmus_tend_to_the_elastic_module_with_the_order_of_the_coupling(buil
     assert math.log(errors[0] / errors[1]) / math.log(5.0) > 0.8 * order
 
 
-def test_example_ends_where_its_way_of_coupling_does(built):
+def test_example_agrees_with_its_coupling(built):
     ends = EXAMPLE["simulate"](WITH_DERIVATIVES, 1e-3, stop=WINDOW * WINDOWS, folder=built)
     assert ends == pytest.approx(coupled(built, WITH_DERIVATIVES, 1e-3)[0][-1], rel=1e-4)
 
 
-def test_recommended_coupling_loses_no_energy_where_the_mean_torque_makes_some(built, elastic):
+def test_recommended_coupling_conserves_energy(built, elastic):
     _, made = coupled(built, JACOBI, 1e-3)
     assert made < -0.1
-    found, lost = coupled(built, WITH_DERIVATIVES, 1e-3)
+    speeds, lost = coupled(built, WITH_DERIVATIVES, 1e-3)
     assert abs(lost) < 1e-3
-    assert error(found, elastic) < 2e-3
+    assert error(speeds, elastic) < 2e-3
 
 
 def swing(built, way, z, steps):

@@ -26,9 +26,14 @@ def of_map(kernel, values, omega1, ratio):
     )
     module.advance(1e-3)
     friction = module["output_friction"] * module["omega_out"]
-    kept = 1.0 - module["energy_lost"] / module["energy_in"]
+    efficiency = 1.0 - module["energy_lost"] / module["energy_in"]
     taken = module["input_torque_mean"] * (1.0 if omega1 > 0.0 else -1.0)
-    return module["output_torque_mean"] - friction, taken, max(kept, 0.0), module["omega2"] / abs(omega1)
+    return (
+        module["output_torque_mean"] - friction,
+        taken,
+        max(efficiency, 0.0),
+        module["omega2"] / abs(omega1),
+    )
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Scenes the tests share, and what they read off a module."""
+"""Scenes of the tests, and quantities of a module."""
 
 import math
 import tomllib
@@ -11,14 +11,14 @@ from inertia_module.interface.variables import PARAMETER, with_causality
 from inertia_module.model import Module
 from verification.reference.motion import Reference
 
-# the table of scenes beside this file
+# table of scenes
 TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 SCENES, LAYOUTS, FREEWHEELS = TABLE["scenes"], TABLE["layouts"], TABLE["freewheels"]
 REFERENCE, PLANAR = SCENES["bevel"], SCENES["planar"]
 LOSSES, PARTS, FOUND = TABLE["losses"], TABLE["parts"], TABLE["found"]
 ELASTIC, ENGINE, GEARS = (PARTS[name] for name in ("elastic", "engine", "gears"))
 FRICTION, SHAFT, WIND_UP, PLAY = (PARTS[name] for name in ("friction", "shaft", "wind_up", "play"))
-# what is built, without what is given to it
+# mechanisms without inputs
 MECHANISMS = {
     layout: {name: value for name, value in scene.items() if name not in ("omega1", "load_torque")}
     for layout, scene in SCENES.items()
@@ -36,7 +36,7 @@ LEVELS = {
     "rigid": {},
     "elastic": ELASTIC,
 }
-ALL_LOSSES = {name: value for one in LOSSES.values() for name, value in one.items()}
+ALL_LOSSES = {name: value for losses in LOSSES.values() for name, value in losses.items()}
 # parameters that change between steps
 TUNED = {**FRICTION, **SHAFT, "kinematic_ratio": 0.7}
 ACCOUNTS = [
@@ -52,7 +52,8 @@ MEANS = (
     *("input_torque_mean", "output_torque_mean", "mesh_torque_mean", "housing_torque_mean"),
     "torque_ripple",
 )
-# what is added to the mechanism: what the ideal engines have as well, and all that asks for the general one
+# additions to the mechanism: properties that ideal solvers support, and properties that need the general
+# solver
 ADDED = {
     "ideal": {},
     "gears": GEARS,
@@ -69,14 +70,14 @@ SPRINGS = ("wind-up", "worn")
 
 
 def mechanism(text):
-    """Values of parameters by name, written as what campaigns found: name=value, parted by blanks."""
+    """Return values of parameters by name from a text: name=value, separated by blanks."""
     return {name: float(value) for name, value in (part.split("=") for part in text.split())}
 
 
 def motions(levels=tuple(LEVELS), added=tuple(ADDED), missing=tuple(FREEWHEELS)[1:], drives=tuple(DRIVES)):
-    """The table of scenes: layouts x drives x levels x what is added, or which freewheels are missing.
+    """Parametrise a test with scenes: layouts x drives x levels x additions, or missing freewheels.
 
-    Returns a decorator that calls a test with each as `scene`.
+    Return a decorator that calls a test with each scene as `scene`.
     """
     rows = []
     for layout, drive, level in product(SCENES, drives, levels):

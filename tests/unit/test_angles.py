@@ -78,7 +78,7 @@ def test_link_2_held_by_its_freewheel_keeps_the_same_angles(compiled, scene):
 
 
 @pytest.mark.parametrize("fidelity", range(4))
-def test_link_1_turns_by_its_mean_speed_while_that_changes(compiled, fidelity):
+def test_angle_of_link_1_follows_its_mean_speed(compiled, fidelity):
     module = started(compiled, SCENES["planar"], fidelity=fidelity, omega1=100.0)
     module.set_rates(omega1=40.0)
     module.advance(0.5)
@@ -87,7 +87,7 @@ def test_link_1_turns_by_its_mean_speed_while_that_changes(compiled, fidelity):
 
 @pytest.mark.parametrize("turns", [-1000, -3, -1, 1, 2, 7, 1000])
 @pytest.mark.parametrize("bit", [-1, 0, 1])
-def test_wrapped_angles_are_within_one_turn(turns, bit):
+def test_wrapped_angles_are_within_a_turn(turns, bit):
     angle = 2.0 * math.pi * turns
     angle += bit * math.ulp(angle)
     d = started("plain", layout=1).derived
@@ -104,18 +104,18 @@ def test_wrapped_angles_are_within_one_turn(turns, bit):
 def assert_both_are_close(x):
     with mpmath.workprec(200):
         exact = mpmath.sin(x), mpmath.cos(x)
-        for found, wanted in zip(sine_cosine(x), exact, strict=True):
+        for actual, expected in zip(sine_cosine(x), exact, strict=True):
             # close to a zero the reduced angle is known to 1e-21 of the quadrants taken off
-            assert abs(found - wanted) <= 1.5 * ULP * abs(wanted) + 1e-30 * abs(x) + 5e-324
+            assert abs(actual - expected) <= 1.5 * ULP * abs(expected) + 1e-30 * abs(x) + 5e-324
 
 
 @given(st.floats(-2.0 * MAX_ANGLE, 2.0 * MAX_ANGLE), st.integers(-600000, 600000), st.floats(-1e-3, 1e-3))
-def test_both_are_within_one_and_a_half_units_also_close_to_their_zeros(x, n, offset):
+def test_sine_and_cosine_have_at_most_1_5_ulp_near_their_zeros(x, n, offset):
     assert_both_are_close(x)
     assert_both_are_close(n * math.pi / 2.0 + offset)
 
 
-def test_both_are_within_one_and_a_half_units_all_around():
+def test_sine_and_cosine_have_at_most_1_5_ulp():
     for n in range(-100, 101):
         assert_both_are_close(0.0707 * n)
 

@@ -11,13 +11,13 @@ from inertia_module.kernel.codes import NOT_BALANCED, OK
 
 BEFORE = {"energy_in": 1.0, "energy_out": 2.0, "energy_stored": 10.0}
 AFTER = {"energy_in": 9.0, "energy_out": 6.0, "step_lost": 1.0, "energy_stored": 13.0}
-# what of these comes and goes in the step, and is stored at its ends
+# energies: input, output and losses in the step, and energy stored at its ends
 ENERGIES = 8.0 + 4.0 + 1.0 + 13.0 + 10.0
 
 
 @pytest.fixture
 def spoil(monkeypatch):
-    """Makes so many runs of a step take in 100 J from nowhere."""
+    """Return a step whose first runs gain 100 J without a source."""
     end = step.end
 
     def spoiled(times):
@@ -53,19 +53,19 @@ def test_missing_may_be_a_thousand_tolerances_of_the_energies(name, sign, tolera
 
 
 @pytest.mark.parametrize("values", [{"fidelity": 2}, {"fidelity": 3}])
-def test_step_that_does_not_balance_is_made_once_more_with_care_and_then_refused(spoil, values):
+def test_step_without_energy_balance_is_repeated_and_then_rejected(spoil, values):
     module, careful = (started("plain", PLANAR, values) for _ in range(2))
     careful.derived.tolerance *= 1e-3
     spoil(1)
     assert bytes(advanced(module, 0.1).state) == bytes(advanced(careful, 0.1).state)
-    # what comes after has the tolerance asked for
+    # the following steps have the requested tolerance
     assert advanced(module, 0.1)["rhs_evaluations"] < advanced(careful, 0.1)["rhs_evaluations"]
     spoil(2)
     assert_refused("the energy balance check failed with tolerance = 1e-06", module.advance, 0.01)
 
 
 @pytest.mark.parametrize("values", [{"fidelity": 0}, {"fidelity": 1}], ids=str)
-def test_steps_that_lose_energy_by_what_they_are_made_of_are_not_refused(spoil, values):
+def test_steps_with_physical_losses_are_accepted(spoil, values):
     module = started("plain", PLANAR, values)
     spoil(1)
     module.advance(0.01)

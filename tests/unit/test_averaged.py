@@ -68,7 +68,7 @@ def test_energy_taken_in_while_the_input_changes_is_the_mean_of_the_rigid_module
 
 @pytest.mark.parametrize("load", [0.0, 3.0, -5.0, 20.0])
 @pytest.mark.parametrize("ramp", [0.0, -60.0], ids=["constant", "through zero"])
-def test_one_long_step_equals_many_short_ones(compiled, scene, load, ramp):
+def test_long_step_equals_many_short_steps(compiled, scene, load, ramp):
     long, short = (averaged(compiled, scene, load_torque=load, tolerance=1e-8) for _ in range(2))
     start = long["omega1"]
     for module, steps in ((long, 1), (short, 250)):
@@ -87,7 +87,7 @@ def locked(request, compiled):
     return advanced(averaged(compiled, SCENES["planar"], load_torque=2.0, input_hold=request.param), 60.0)
 
 
-def test_shaft_that_has_come_up_to_link_1_is_locked_to_it(locked):
+def test_shaft_at_the_speed_of_link_1_is_locked_up(locked):
     switches = locked["contact_switches"]
     advanced(locked, *[0.5] * 20)
     assert locked["omega_out"] == locked["omega1"] == locked["omega2"]
@@ -109,7 +109,7 @@ def test_locked_shaft_follows_the_input_while_the_mechanism_holds_the_torque_and
     audit(locked)
 
 
-def test_input_that_swings_about_lock_up_is_followed_within_its_tolerance_by_few_evaluations(compiled):
+def test_oscillation_about_lock_up_is_accurate_with_few_evaluations(compiled):
     swinging = [
         averaged(
             compiled,
@@ -124,15 +124,15 @@ def test_input_that_swings_about_lock_up_is_followed_within_its_tolerance_by_few
     for n in range(60):
         for module in swinging:
             advanced(module, 0.01, omega1=119.0 + (-1.0) ** n * (0.2 + 0.01 * n))
-        found, wanted = swinging
-        assert found["omega_out"] == pytest.approx(wanted["omega_out"], rel=1e-8)
-        assert found["input_torque_mean"] == pytest.approx(wanted["input_torque_mean"], abs=1e-5)
-    assert found["contact_switches"] >= 50
-    assert found["rhs_evaluations"] < 60 * 16
-    audit(found)
+        actual, expected = swinging
+        assert actual["omega_out"] == pytest.approx(expected["omega_out"], rel=1e-8)
+        assert actual["input_torque_mean"] == pytest.approx(expected["input_torque_mean"], abs=1e-5)
+    assert actual["contact_switches"] >= 50
+    assert actual["rhs_evaluations"] < 60 * 16
+    audit(actual)
 
 
-def test_overrunning_shaft_leaves_the_input_behind_and_comes_back(locked):
+def test_shaft_overruns_the_input_and_locks_up_again(locked):
     advanced(locked, 1.0, load_torque=-4.0)
     assert locked["omega_out"] == pytest.approx(120.0 + 4.0 / 0.4, rel=1e-12)
     assert locked["output_torque"] == 0.0
@@ -159,7 +159,7 @@ def test_load_above_the_stall_torque_keeps_the_shaft_at_rest_and_brakes_it_to_re
     audit(module)
 
 
-def test_light_shaft_settles_where_the_mean_torque_is_the_load_at_little_cost(compiled, scene):
+def test_light_shaft_settles_at_the_load_at_low_cost(compiled, scene):
     load = 0.5 * averaged(compiled, scene)["output_torque"]
     light = averaged(compiled, scene, output_inertia=1e-9, load_torque=load)
     advanced(light, 0.01)
@@ -196,7 +196,7 @@ def test_checking_parameters_builds_no_map(scene):
     assert_refused(r"must both be 1 \(true\) with fidelity = averaged", module.check, housing_freewheel=False)
 
 
-def test_shaft_that_starts_at_the_end_of_the_map_comes_to_rest_within_one_step(compiled):
+def test_shaft_that_starts_at_the_end_of_the_map_stops_within_a_step(compiled):
     values = {"fidelity": 1, "a": 0.3, "b": 0.7, "omega1": 0.0, "load_torque": 1e4, "omega_out_start": 1.58}
     module = started(compiled, values)
     module.set_rates(omega1=76.0)
@@ -207,16 +207,16 @@ def test_shaft_that_starts_at_the_end_of_the_map_comes_to_rest_within_one_step(c
 
 @pytest.mark.parametrize("load", [0.0, 10.0])
 @pytest.mark.parametrize("layout", SCENES)
-def test_behind_an_engine_of_great_inertia_the_motion_is_that_at_its_speed(compiled, layout, load):
+def test_motion_with_a_large_input_inertia_agrees_with_constant_speed(compiled, layout, load):
     mechanism = MECHANISMS[layout]
-    given = started(compiled, mechanism, fidelity=1, omega1=100.0, load_torque=load)
+    speed_driven = started(compiled, mechanism, fidelity=1, omega1=100.0, load_torque=load)
     driven = started(
         "auto", mechanism, BY_TORQUE, omega1=100.0, load_torque=load, input_inertia=1e5, drive_torque=0.0
     )
     for _ in range(20):
-        for module in (given, driven):
+        for module in (speed_driven, driven):
             advanced(module, 0.1)
-        assert driven["omega_out"] == pytest.approx(given["omega_out"], rel=2e-3, abs=0.02)
+        assert driven["omega_out"] == pytest.approx(speed_driven["omega_out"], rel=2e-3, abs=0.02)
 
 
 LIGHT_INPUTS = [
@@ -249,7 +249,7 @@ BY_AN_ENGINE = [
 
 
 @pytest.mark.parametrize("values, torques", BY_AN_ENGINE)
-def test_no_energy_comes_from_nowhere_behind_an_engine(compiled, values, torques):
+def test_torque_driven_module_conserves_energy(compiled, values, torques):
     module = started(compiled, BY_TORQUE, values, drive_torque=torques[0])
     largest = abs(module["input_speed"]) + 100.0 * module["output_inertia"] / module["input_inertia"]
     steps = [1e-3, 0.02] if len(torques) > 1 else [1e-7] + [1e-3] * 100 + [0.01] * 100
@@ -267,13 +267,13 @@ def test_no_energy_comes_from_nowhere_behind_an_engine(compiled, values, torques
 @pytest.mark.parametrize("drive", [0, 1])
 @pytest.mark.parametrize("omega1", [0.0, 50.0])
 @pytest.mark.parametrize(
-    "nothing",
+    "parameters",
     [{"imbalance_mass": 0.0}, {"a": 0.0, "satellites": 3}, {**PLANAR, "eccentricity": 0.0}],
     ids=["no mass", "no arm", "no eccentricity"],
 )
-def test_module_that_passes_no_torque_is_followed(compiled, nothing, omega1, drive):
+def test_module_without_torque_is_simulated(compiled, parameters, omega1, drive):
     values = {"input_inertia": 0.1, "drive_torque": 1.0, "load_torque": 10.0}
-    module = started(compiled, nothing, values, fidelity=1, drive=drive, omega1=omega1)
+    module = started(compiled, parameters, values, fidelity=1, drive=drive, omega1=omega1)
     for _ in range(10):
         advanced(module, 0.05)
         assert all(math.isfinite(value) for value in module.snapshot().values())
@@ -282,7 +282,7 @@ def test_module_that_passes_no_torque_is_followed(compiled, nothing, omega1, dri
 
 
 @pytest.mark.parametrize("drive_torque", [500.0, -500.0])
-def test_light_shaft_keeps_up_with_a_drive_that_changes_at_little_cost(compiled, drive_torque):
+def test_light_shaft_follows_a_changing_drive_at_low_cost(compiled, drive_torque):
     values = {"omega1": 100.0, "input_inertia": 1.0, "output_inertia": 1e-6, "load_torque": 1.0}
     module = started(compiled, BY_TORQUE, values)
     advanced(module, 0.05)

@@ -1,6 +1,6 @@
-"""Fidelity averaged with losses: its means against those of the pulses, its balance, what it refuses.
+"""Test fidelity averaged with losses: means against the pulses, energy balance, rejections.
 
-The means are those of the steady motion, also where link 2 never rests in it.
+The means belong to the steady motion, also if link 2 never rests.
 """
 
 import math
@@ -44,10 +44,10 @@ STEADY = [
 
 
 @pytest.mark.parametrize("values, omega1, ratio, bound", STEADY)
-def test_steady_means_are_those_of_the_pulses(compiled, values, omega1, ratio, bound):
-    ours, pulses = (of(compiled, values, omega1, ratio) for of in (of_map, of_pulses))
-    assert ours[:2] == pytest.approx(pulses[:2], abs=bound * max(abs(pulses[0]), pulses[1]))
-    assert ours[2:] == pytest.approx(pulses[2:], abs=bound)
+def test_steady_means_agree_with_the_pulses(compiled, values, omega1, ratio, bound):
+    means, pulses = (of(compiled, values, omega1, ratio) for of in (of_map, of_pulses))
+    assert means[:2] == pytest.approx(pulses[:2], abs=bound * max(abs(pulses[0]), pulses[1]))
+    assert means[2:] == pytest.approx(pulses[2:], abs=bound)
 
 
 def averaged(kernel, *scenes, **values):
@@ -80,7 +80,7 @@ def test_a_coasting_shaft_slows_by_friction_and_drag(compiled, step, omega1):
     assert omega1 or module["energy_in"] == pytest.approx(0.0, abs=1e-4 * gone)
 
 
-def test_friction_of_the_output_that_brakes_fast_takes_what_the_shaft_had(compiled):
+def test_strong_output_friction_dissipates_the_energy_of_the_shaft(compiled):
     module = started(compiled, fidelity=1, omega_out_start=10.0, output_friction=90.0)
     had = module["energy_stored"]
     module.advance(0.02)
@@ -90,16 +90,16 @@ def test_friction_of_the_output_that_brakes_fast_takes_what_the_shaft_had(compil
 
 
 @pytest.mark.parametrize("change", [0.0, 0.5], ids=["constant", "ramps"])
-def test_work_of_link_1_is_within_its_tolerance_also_where_most_of_it_is_lost(compiled, change):
+def test_work_of_link_1_is_accurate_with_large_losses(compiled, change):
     tolerances = [1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7]
     values = {"mesh_efficiency": 0.9, "omega1": 100.0, "input_hold": 1}
-    found = [averaged(compiled, values, tolerance=tolerance) for tolerance in tolerances]
+    modules = [averaged(compiled, values, tolerance=tolerance) for tolerance in tolerances]
     for n in range(10):
-        for module in found:
+        for module in modules:
             advanced(module, 0.02, omega1=100.0 + change * n)
-    for module, tolerance in zip(found, tolerances, strict=True):
+    for module, tolerance in zip(modules, tolerances, strict=True):
         allowed = 20.0 * tolerance * module["energy_stored"]
-        assert module["energy_in"] == pytest.approx(found[0]["energy_in"], rel=1e-12, abs=allowed)
+        assert module["energy_in"] == pytest.approx(modules[0]["energy_in"], rel=1e-12, abs=allowed)
         assert module["rhs_evaluations"] < 500 or tolerance < 1e-9
 
 
@@ -109,7 +109,7 @@ def test_drag_of_both_freewheels_holds_a_shaft_at_rest(compiled, load):
     assert (module["omega_out"] == 0.0) == (load == -0.5)
 
 
-def test_longest_internal_step_leaves_the_map_as_it_is(compiled):
+def test_max_step_does_not_change_the_map(compiled):
     means = []
     # (another efficiency, so that both have maps of their own)
     for efficiency, longest in ((0.96, 1e-3), (0.96 + 1e-9, 0.0)):
@@ -119,7 +119,7 @@ def test_longest_internal_step_leaves_the_map_as_it_is(compiled):
     assert means[1] == pytest.approx(means[0], rel=1e-5)
 
 
-def test_journals_that_leave_no_pulse_take_the_output_up_to_link_1(compiled):
+def test_journals_without_slip_lock_the_output_to_link_1(compiled):
     module = advanced(started(compiled, fidelity=1, omega1=50.0, journal_friction=10.0), 0.05)
     assert module["omega_out"] == 50.0
     assert module["energy_residual"] == pytest.approx(0.0, abs=1e-4 * module["energy_in"])
@@ -142,7 +142,7 @@ UNDER_TORQUE = [
         for inertia in (0.13, 1.0)
     ),
     *((alone(name) | {"input_inertia": 0.5}, (20.0,), 15.0, 0.005) for name in ALONE),
-    # nothing is lost, link 1 light and heavy beside what turns with it
+    # no losses; link 1 lighter and heavier than the parts that rotate with it
     *(
         (shape | {"input_inertia": share * interface_inertia(shape).maximum}, (10.0, 50.0), torque, 0.02)
         for shape, torque in ((MECHANISMS["bevel"], 12.0), (PLANAR, 20.0))
@@ -152,16 +152,14 @@ UNDER_TORQUE = [
 
 
 @pytest.mark.parametrize("values, speeds, torque, bound", UNDER_TORQUE)
-def test_under_its_torque_link_1_and_the_output_are_those_of_the_pulses(
-    compiled, values, speeds, torque, bound
-):
+def test_torque_driven_speeds_agree_with_the_pulses(compiled, values, speeds, torque, bound):
     for speed in speeds:
-        (ours, omega1), (pulses, speed1) = (under_torque(compiled, values, f, speed, torque) for f in (1, 2))
+        (means, omega1), (pulses, speed1) = (under_torque(compiled, values, f, speed, torque) for f in (1, 2))
         assert omega1 == pytest.approx(speed1, rel=bound)
-        assert ours["output_torque_mean"] == pytest.approx(pulses["output_torque_mean"], rel=bound)
-        passed, taken = ours["output_torque_mean"] * speed, pulses["output_torque_mean"] * speed
+        assert means["output_torque_mean"] == pytest.approx(pulses["output_torque_mean"], rel=bound)
+        passed, taken = means["output_torque_mean"] * speed, pulses["output_torque_mean"] * speed
         assert passed / (torque * omega1) == pytest.approx(taken / (torque * speed1), abs=bound)
-        assert ours["mesh_torque_mean"] == pytest.approx(pulses["mesh_torque_mean"], abs=bound * torque)
+        assert means["mesh_torque_mean"] == pytest.approx(pulses["mesh_torque_mean"], abs=bound * torque)
 
 
 @pytest.mark.parametrize("drive", [{}, {"drive": 1, "input_inertia": 0.5, "drive_torque": 15.0}], ids=str)
@@ -173,9 +171,7 @@ def test_each_loss_has_its_account(compiled, name, drive):
 
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)
-def test_under_a_torque_long_steps_end_as_short_ones_and_left_alone_the_machine_comes_to_rest(
-    compiled, mechanism
-):
+def test_torque_driven_long_steps_agree_with_short_steps_until_rest(compiled, mechanism):
     machine = {**MECHANISMS[mechanism], **REALISTIC, "drive": 1, "fidelity": 1, "input_inertia": 0.13}
     heavy = {"output_inertia": 1e4, "drive_torque": 12.0, "omega_out_start": 30.0}
     ends = []
@@ -192,7 +188,7 @@ def test_under_a_torque_long_steps_end_as_short_ones_and_left_alone_the_machine_
     assert module["energy_lost"] == pytest.approx(stored, rel=5e-4)
 
 
-def test_each_module_has_the_map_of_its_losses_also_where_they_change_between_steps(compiled):
+def test_map_follows_losses_that_change_between_steps(compiled):
     scene = {"omega_out_start": 40.0, "omega1": 100.0}
     tuned = averaged(compiled, scene)
     ideal = tuned["output_torque"]
@@ -214,18 +210,18 @@ def stall_torque(values, omega1):
 
 def errors(values, omega1, ratio):
     """Of the torques, over the stall torque, and of the efficiency where there is a fiftieth of that."""
-    ours, pulses = of_map("compiled", values, omega1, ratio), of_pulses("compiled", values, omega1, ratio)
+    means, pulses = of_map("compiled", values, omega1, ratio), of_pulses("compiled", values, omega1, ratio)
     stall = stall_torque(values, omega1)
     return (
-        abs(ours[0] - pulses[0]) / stall,
-        abs(ours[1] - pulses[1]) / stall,
-        abs(ours[2] - pulses[2]) if pulses[0] > 0.02 * stall else 0.0,
+        abs(means[0] - pulses[0]) / stall,
+        abs(means[1] - pulses[1]) / stall,
+        abs(means[2] - pulses[2]) if pulses[0] > 0.02 * stall else 0.0,
     )
 
 
 @pytest.mark.usefixtures("compiled")
 @pytest.mark.parametrize("shape, losses, omega1, ratio", TABLES["never_rests"]["rows"])
-def test_the_mean_is_that_of_the_steady_motion(shape, losses, omega1, ratio):
+def test_mean_equals_the_steady_motion(shape, losses, omega1, ratio):
     torque, taken, efficiency = errors({**{**MECHANISMS, "heavy": HEAVY}[shape], **losses}, omega1, ratio)
     assert max(torque, taken) < 0.02
     assert efficiency < 0.01
@@ -293,22 +289,24 @@ def test_a_machine_too_slow_for_its_friction_brakes_as_its_pulses_do(compiled, m
     slow = Module(compiled).start(**values, fidelity=1).derived.forward.slow
     for share, ratio in product((1.5, 9.0, 100.0), (0.1, 0.9)):
         omega1 = slow / share
-        (ours, *_, turned), (pulses, *_) = (of(compiled, values, omega1, ratio) for of in (of_map, of_pulses))
+        (means, *_, turned), (pulses, *_) = (
+            of(compiled, values, omega1, ratio) for of in (of_map, of_pulses)
+        )
         stall = stall_torque(values, omega1)
-        assert ours == pytest.approx(pulses, rel=0.05, abs=0.4 * stall)
-        assert ours < 0.0 or pulses > -0.1 * stall
+        assert means == pytest.approx(pulses, rel=0.05, abs=0.4 * stall)
+        assert means < 0.0 or pulses > -0.1 * stall
         assert 0.0 <= turned <= ratio * (1.0 + 1e-9)
 
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 @pytest.mark.parametrize("losses", CRAWLING)
-def test_links_that_crawl_turn_as_friction_and_drag_balance(compiled, mechanism, direction, losses):
+def test_slow_links_balance_friction_and_drag(compiled, mechanism, direction, losses):
     values = {**MECHANISMS[mechanism], **CRAWLING[losses]}
     omega1 = direction * Module(compiled).start(**values, fidelity=1).derived.forward.slow / 99.0
-    ours, pulses = (of(compiled, values, omega1, 0.9) for of in (of_map, of_pulses))
-    assert ours[0] == pytest.approx(pulses[0], rel=0.02)
-    assert ours[3] == pytest.approx(pulses[3], abs=0.02)
+    means, pulses = (of(compiled, values, omega1, 0.9) for of in (of_map, of_pulses))
+    assert means[0] == pytest.approx(pulses[0], rel=0.02)
+    assert means[3] == pytest.approx(pulses[3], abs=0.02)
 
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)

@@ -40,9 +40,7 @@ def rigid_after(kernel, mechanism, omega1, sigma, time):
 @pytest.mark.parametrize("mechanism", SHAPES)
 @pytest.mark.parametrize("omega1", [100.0, -100.0])
 @pytest.mark.parametrize("sigma", [0.0, 0.07, 0.31, 0.6, 0.93])
-def test_means_ripple_and_peak_are_those_of_the_pulses_at_held_output_speed(
-    compiled, mechanism, omega1, sigma
-):
+def test_means_ripple_and_peak_agree_with_pulses_at_constant_output_speed(compiled, mechanism, omega1, sigma):
     settings = SHAPES[mechanism]
     stall = at_ratio(compiled, settings, omega1, 0.0)["output_torque"]
     module = at_ratio(compiled, settings, omega1, sigma, output_inertia=1e5)
@@ -52,7 +50,7 @@ def test_means_ripple_and_peak_are_those_of_the_pulses_at_held_output_speed(
     assert module["output_torque"] == pytest.approx(pulses.output_torque, abs=5e-3 * stall)
     assert module["torque_ripple"] == pytest.approx(pulses.ripple, rel=0.02, abs=0.01 * module["torque_peak"])
     assert module["torque_peak"] == pytest.approx(pulses.peak, rel=0.06, abs=0.05)
-    # the mean input torque is what the mesh takes: M1 = M2 where no energy is stored
+    # the mean input torque is the mesh torque: M1 = M2 if no energy is stored
     measured = math.copysign(1.0, omega1) * pulses.input_torque
     assert module["mesh_torque"] == pytest.approx(measured, abs=5e-3 * stall)
     assert module["input_torque"] == pytest.approx(measured, abs=5e-3 * stall)
@@ -61,13 +59,13 @@ def test_means_ripple_and_peak_are_those_of_the_pulses_at_held_output_speed(
 
 
 @pytest.mark.parametrize("mechanism", SHAPES)
-def test_torque_goes_with_the_square_of_the_speed_and_stalls_alike_both_ways(compiled, mechanism):
+def test_torque_is_quadratic_in_speed_and_symmetric(compiled, mechanism):
     settings = SHAPES[mechanism]
     for sigma in (0.0, 0.2, 0.9):
-        one = at_ratio(compiled, settings, 1.0, sigma)["output_torque"]
+        unit_torque = at_ratio(compiled, settings, 1.0, sigma)["output_torque"]
         for omega1 in (1e-9, 1e5):
             torque = at_ratio(compiled, settings, omega1, sigma)["output_torque"]
-            assert torque == pytest.approx(one * omega1**2, rel=1e-9)
+            assert torque == pytest.approx(unit_torque * omega1**2, rel=1e-9)
     forward, backward = (at_ratio(compiled, settings, omega1, 0.0) for omega1 in (100.0, -100.0))
     assert forward["output_torque"] > 0.0
     assert backward["output_torque"] == pytest.approx(forward["output_torque"], rel=2e-4)
@@ -93,20 +91,20 @@ def test_long_periods_of_coprime_teeth_are_averaged_too(compiled):
     ],
     ids=["heavy drive", "hardly an imbalance"],
 )
-def test_freewheels_that_rounding_makes_switch_hold_up_no_map(compiled, settings):
+def test_map_terminates_if_rounding_switches_freewheels(compiled, settings):
     """Link 2 moves by rounding alone: its freewheels switch at once wherever they are."""
     module = started(compiled, settings, fidelity=1)
     assert module.derived.map_evaluations < 1e6
     assert 0.0 <= module["output_torque"] <= 10.0
 
 
-def test_map_is_kept_between_instances_that_are_alike(compiled, monkeypatch):
-    kept = lru_cache(3)(model._map_of.__wrapped__)
-    monkeypatch.setattr(model, "_map_of", kept)
+def test_equal_instances_share_a_map(compiled, monkeypatch):
+    cached = lru_cache(3)(model._map_of.__wrapped__)
+    monkeypatch.setattr(model, "_map_of", cached)
     first = Module(compiled).start(fidelity=1, omega1=100.0)
     assert first.derived.map_evaluations > 0.0
-    (known,) = kept(tuple(first[name] for name in MAP_KEY))
-    known.map_evaluations = -1.0  # a map built anew counts from zero
+    (cached_map,) = cached(tuple(first[name] for name in MAP_KEY))
+    cached_map.map_evaluations = -1.0  # a rebuilt map counts from zero
     second = Module(compiled).start(fidelity=1, omega1=50.0, output_inertia=3.0)
     assert second.derived.map_evaluations == -1.0
     for side in ("forward", "backward"):
@@ -114,13 +112,13 @@ def test_map_is_kept_between_instances_that_are_alike(compiled, monkeypatch):
     for number, mechanism in enumerate(({"imbalance_mass": 2.0}, {"satellite_inertia": 0.02}), 2):
         other = Module(compiled).start(fidelity=1, omega1=50.0, **mechanism)
         assert other.derived.map_evaluations > 0.0
-        assert kept.cache_info().currsize == number
+        assert cached.cache_info().currsize == number
     for mass in (1.0, 2.0, 3.0, 4.0, 5.0):
         started(compiled, PLANAR, fidelity=1, imbalance_mass=mass)
-    assert kept.cache_info().currsize == 3
+    assert cached.cache_info().currsize == 3
 
 
-def test_sizes_of_the_map_are_those_of_the_grid():
+def test_sizes_of_the_map_agree_with_the_grid():
     assert len(torque_map.RATIOS) == fields.RATIOS
     assert len(torque_map.SLOWNESS) == fields.SLOWNESSES
     assert len(torque_map.LOSSES) == fields.LOSSES
@@ -157,7 +155,7 @@ def side():
     return side
 
 
-def test_curves_are_those_of_scipy(side):
+def test_curves_agree_with_scipy(side):
     ratios = side.end * np.array(torque_map.RATIOS)
     values = [column.inertia for column in side.columns]
     expected = PchipInterpolator(ratios, values)

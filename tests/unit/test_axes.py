@@ -127,7 +127,7 @@ def test_free_keys_begin_at_the_values_of_the_scene_and_change_by_a_range_or_as_
     assert (back.low < back.start < back.high, back.size) == (True, 100.0)
 
 
-def test_what_is_known_before_is_a_value_and_its_deviation(scene):
+def test_prior_is_a_value_with_its_deviation(scene):
     mass, efficiency = free_keys(
         ranges_of_texts(["imbalance_mass=900 g +- 10 g", "mesh_efficiency=0.97±0.01"]), scene
     )
@@ -136,7 +136,7 @@ def test_what_is_known_before_is_a_value_and_its_deviation(scene):
     assert (efficiency.high, efficiency.size) == (1.0, pytest.approx(0.1))
 
 
-def test_keys_beside_the_scene_have_their_own_value_unit_and_limits(scene):
+def test_keys_outside_the_scene_have_value_unit_and_limits(scene):
     beside = {
         "offset.omega2": Free("offset.omega2", "rad/s", -np.inf, np.inf, start=0.0, nominal=0.0, size=2.0),
         "shift.time": Free("shift.time", "s", -0.1, 0.1, start=0.0, nominal=0.0, size=1e-3),
@@ -165,7 +165,7 @@ def test_limits_of_the_table_hold_without_a_range_and_a_value_outside_begins_in_
     "read, keys, words",
     [(axes_of, *one) for one in REFUSED["varied"]] + [(free_keys, *one) for one in REFUSED["free"]],
 )
-def test_keys_that_cannot_be_varied_or_free_are_one_sentence(scene, read, keys, words):
+def test_keys_that_cannot_vary_are_an_error_in_a_sentence(scene, read, keys, words):
     assert_refused(words, lambda: read(ranges_of_texts(keys.split(", ") if keys else []), scene))
 
 
@@ -187,7 +187,7 @@ def test_columns_come_in_si_units_inputs_and_noise_apart(scene, tmp_path):
     assert data.table.units == {"time": "s", "omega_out": "rad/s", "vehicle_speed": "m/s"}
 
 
-def test_columns_that_the_scene_does_not_compute_may_have_any_content(scene, tmp_path):
+def test_unused_columns_can_have_any_content(scene, tmp_path):
     file = tmp_path / "measured.csv"
     file.write_text(
         "# rig 3\ntime,omega_out,note,sound_noise [dB],temperature [°C],omega1,valve\n"
@@ -217,5 +217,5 @@ def test_a_mean_counts_from_the_second_row_and_columns_are_chosen(scene):
 
 
 @pytest.mark.parametrize("columns, words", REFUSED["columns"])
-def test_columns_that_cannot_be_are_one_sentence(scene, columns, words):
+def test_invalid_columns_are_an_error_in_a_sentence(scene, columns, words):
     assert_refused(words, measurement, table(**columns), scene)

@@ -1,4 +1,4 @@
-"""Batch: arrays of parameters and inputs broadcast to runs, each with the bits of a module by itself."""
+"""Test batch: arrays of parameters and inputs are broadcast to runs with the bits of a single module."""
 
 import numpy as np
 import pytest
@@ -12,20 +12,23 @@ OUTPUTS = ("omega_out", "output_torque_mean", "contact_mode")
 
 
 @pytest.mark.parametrize("step", [None, 0.03])
-def test_rows_are_those_of_modules_by_themselves(compiled, step):
-    found = batch({"imbalance_mass": MASSES, "load_torque": LOADS, "layout": "planar"}, 0.1, OUTPUTS, step)
+def test_rows_agree_with_single_modules(compiled, step):
+    result = batch({"imbalance_mass": MASSES, "load_torque": LOADS, "layout": "planar"}, 0.1, OUTPUTS, step)
     for n, (mass,) in enumerate(MASSES[:2]):
         for k, load in enumerate((8.0, 12.0)):
             module = Module(compiled).start(imbalance_mass=mass, load_torque=load, layout=1)
             for length in (0.1,) if step is None else np.diff([0.0, 0.03, 0.06, 0.09, 0.1]):
                 module.advance(float(length))
-            assert tuple(found[name][n, k] for name in OUTPUTS) == module.read(OUTPUTS)
-    assert np.isnan(found["omega_out"][2]).all()
-    assert not found["refused"][:2].any()
-    assert [text.startswith("imbalance_mass must be between") for text in found["refused"][2]] == [True, True]
+            assert tuple(result[name][n, k] for name in OUTPUTS) == module.read(OUTPUTS)
+    assert np.isnan(result["omega_out"][2]).all()
+    assert not result["refused"][:2].any()
+    assert [text.startswith("imbalance_mass must be between") for text in result["refused"][2]] == [
+        True,
+        True,
+    ]
 
 
-def test_numbers_alone_are_one_run(compiled):
+def test_scalars_are_a_single_run(compiled):
     assert batch({"omega1": 50.0}, 0.01)["omega_out"].shape == ()
     with pytest.raises(InertiaModuleError, match="unknown batch output '"):
         batch({}, 0.01)["omega2"]
@@ -54,15 +57,15 @@ WRONG = [
 
 
 @pytest.mark.parametrize("arguments, words", WRONG)
-def test_argument_that_is_wrong_for_all_runs_is_an_error(arguments, words):
+def test_invalid_argument_of_all_runs_is_an_error(arguments, words):
     assert_refused(words, batch, **{"values": {"omega1": 50.0}, "stop_time": 0.01, **arguments})
 
 
-def test_values_that_are_wrong_for_some_runs_are_nan_there(compiled):
-    found = batch({"omega1": ["3 kg", "30 rad/s", "nan"], "imbalance_mass": [1.0, 1.0, 1.0]}, 0.01)
-    assert np.isnan(found["omega_out"]).tolist() == [True, False, True]
+def test_invalid_values_of_some_runs_give_nan(compiled):
+    result = batch({"omega1": ["3 kg", "30 rad/s", "nan"], "imbalance_mass": [1.0, 1.0, 1.0]}, 0.01)
+    assert np.isnan(result["omega_out"]).tolist() == [True, False, True]
     sentence = "omega1 must be between -100000 and 100000 rad/s (got '3 kg'): incompatible unit 'kg'; "
-    assert found["refused"][0].startswith(sentence)
+    assert result["refused"][0].startswith(sentence)
     assert np.isnan(batch({"omega1": [np.nan, -1e9]}, 0.01)["omega_out"]).all()
     assert batch({"omega1": []}, 0.01)["omega_out"].shape == (0,)
 

@@ -65,7 +65,7 @@ def test_a_file_of_other_sources_or_of_another_name_is_not_used(cache, made):
     assert len(made) == 4
 
 
-def test_a_folder_in_the_place_of_a_file_is_an_error_that_names_it(cache, made):
+def test_folder_instead_of_a_file_is_an_error_with_its_name(cache, made):
     path = kept(made)
     path.unlink()
     path.mkdir()
@@ -73,9 +73,7 @@ def test_a_folder_in_the_place_of_a_file_is_an_error_that_names_it(cache, made):
         kept(made)
 
 
-def test_a_cache_folder_that_cannot_be_written_is_an_error_before_anything_is_made(
-    tmp_path, monkeypatch, made
-):
+def test_read_only_cache_folder_is_an_error_before_the_work(tmp_path, monkeypatch, made):
     place = tmp_path / "file"
     place.write_text("no folder")
     monkeypatch.setenv("INERTIA_MODULE_CACHE", str(place / "cache"))
@@ -115,7 +113,7 @@ def test_another_compiler_makes_the_library_of_this_platform(cache, monkeypatch)
         c_compiler.object_file(DRIVEN_SHAFT, next(one for one in TARGETS if one != here()))
 
 
-def test_a_compiler_that_is_not_there_is_an_error_that_names_it(cache, monkeypatch):
+def test_missing_compiler_is_an_error_with_its_name(cache, monkeypatch):
     monkeypatch.setenv("INERTIA_MODULE_CC", "no-such-compiler -O1")
     expected = r"INERTIA_MODULE_CC must be the command of a C compiler \(got 'no-such-compiler -O1'\)"
     with pytest.raises(CompilationError, match=expected):

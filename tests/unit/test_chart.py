@@ -35,7 +35,7 @@ pytestmark = pytest.mark.usefixtures("compiled")
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)
 @pytest.mark.parametrize("backward", [False, True])
-def test_chart_tells_the_torque_of_the_averaged_module_and_loses_no_power(compiled, mechanism, backward):
+def test_chart_agrees_with_the_averaged_module_and_conserves_power(compiled, mechanism, backward):
     settings = MECHANISMS[mechanism]
     omega1 = -50.0 if backward else 50.0
     chart = compute_chart(settings, omega1)
@@ -104,7 +104,7 @@ def test_freewheels_of_a_chart_engage_as_often_as_in_a_run_with_a_heavy_shaft(co
         assert np.subtract(module.read(counts), before) / (2000.0 / math.tau) == pytest.approx(told, rel=0.03)
 
 
-def test_a_mechanism_may_be_given_by_names_and_units():
+def test_mechanism_accepts_names_and_units():
     named = compute_chart({"layout": "planar", "sun_radius": "60 mm", "imbalance_mass": "800 g"})
     numbers = compute_chart({"layout": 1, "sun_radius": 0.06, "imbalance_mass": 0.8})
     assert np.array_equal(named.output_torque, numbers.output_torque)
@@ -168,7 +168,7 @@ def test_between_its_rows_a_block_has_the_torque_of_the_module(compiled, mechani
             assert taken == pytest.approx(ratio * module["output_torque"], rel=5e-3)
 
 
-def test_on_the_coast_side_an_ideal_freewheel_passes_nothing_and_losses_brake():
+def test_coasting_torque_is_zero_without_losses():
     ideal, lossy = (table_of(parameters, 100.0) for parameters in (PLANAR, LOSSY))
     coast = ideal.speed_ratio > 1.0
     assert coast.sum() == 5
@@ -189,7 +189,7 @@ def test_on_the_coast_side_an_ideal_freewheel_passes_nothing_and_losses_brake():
 @pytest.mark.parametrize(
     "parameters, omega1", [(PLANAR, 100.0), (LOSSY, 100.0), ({**PLANAR, "output_drag": 1.0}, 60.0)]
 )
-def test_in_vecto_torques_are_those_of_the_table_and_the_shaft_drives_link_1(tmp_path, parameters, omega1):
+def test_vecto_table_has_the_torques_of_the_chart(tmp_path, parameters, omega1):
     table = vars(table_of(parameters, omega1))
     rows = list(csv.reader(charts.save_converter(table, omega1, tmp_path / "x")[2].open()))
     assert rows.pop(0) == ["Speed Ratio", "Torque Ratio", "Input Torque at reference rpm"]
@@ -203,7 +203,7 @@ def test_in_vecto_torques_are_those_of_the_table_and_the_shaft_drives_link_1(tmp
     assert (reference[-1] < 0.0) == ("output_drag" in parameters)
 
 
-def test_a_mechanism_that_passes_nothing_is_refused():
+def test_mechanism_without_torque_is_rejected():
     chart = compute_chart({})
     none = {name: 0.0 * values for name, values in vars(chart).items() if values is not None}
     words = "a converter table requires torque; the mechanism transmits none at 100 rad/s"
@@ -214,7 +214,7 @@ def test_a_mechanism_that_passes_nothing_is_refused():
 
 
 @pytest.mark.parametrize("omega1, ratio", [(60.0, 0.0), (60.0, 0.7), (-60.0, 0.2)])
-def test_friction_of_input_and_output_take_what_they_must(omega1, ratio):
+def test_friction_of_input_and_output_reduces_the_torques(omega1, ratio):
     """Neither touches the pulses: b1 omega1^2 and b3 omega3^2 come on top of the ideal machine's powers."""
     b1, b3 = 0.01, 0.02
     ideal = SteadyMachine(PLANAR).at(omega1, ratio)
@@ -228,7 +228,7 @@ def test_friction_of_input_and_output_take_what_they_must(omega1, ratio):
     assert found.efficiency == pytest.approx(max(expected, 0.0), abs=1e-5)
 
 
-def test_where_nothing_comes_out_the_efficiency_is_zero_and_the_chart_ends():
+def test_chart_ends_at_zero_output_torque_and_efficiency():
     # the bevel one passes little torque at higher ratios
     parameters = {"satellites": 3, "imbalance_mass": 0.3, "output_friction": 0.02}
     chart = compute_chart(parameters, omega1=50.0)
@@ -251,7 +251,7 @@ def small_maps(monkeypatch):
 
 
 @pytest.mark.usefixtures("small_maps")
-def test_map_has_more_efficiency_at_speed_where_friction_is_viscous_and_agrees_with_the_chart():
+def test_map_depends_on_speed_with_viscous_friction_and_agrees_with_the_chart():
     told = []
     parameters = {**PLANAR, "input_friction": 0.01}
     found = charts.steady_map(SteadyMachine(parameters), 200.0, told.append)
@@ -279,7 +279,7 @@ def test_map_has_more_efficiency_at_speed_where_friction_is_viscous_and_agrees_w
 
 
 @pytest.mark.usefixtures("small_maps")
-def test_a_row_of_the_map_is_what_a_run_of_the_rigid_module_takes_gives_and_loses(compiled, tmp_path):
+def test_row_of_the_map_agrees_with_a_rigid_run(compiled, tmp_path):
     """The shaft's flywheel tells the torque, the energies input torque and loss, samples the ripple."""
     found = charts.steady_map(SteadyMachine(LOSSY), 200.0, lambda _: None)
     rows = read_columns(charts.save_map(found, tmp_path / "map", "rpm")[0])[0]
@@ -361,7 +361,7 @@ def test_command_gives_finite_torques_and_a_converter_table_at_the_speed_it_has_
         assert all(math.isfinite(float(cell)) for cell in cells), file.name
 
 
-def test_command_draws_engagements_and_tells_up_to_which_speed_freewheels_engage(tmp_path):
+def test_command_draws_engagements_and_prints_the_speed_limit_of_freewheels(tmp_path):
     limits = ("freewheels.indexing_frequency=60 Hz", "freewheels.output.indexing_frequency=10 Hz")
     given = [word for limit in limits for word in ("--set", limit)]
     told = json.loads(left("chart", "examples/planar.toml", *given, "-o", tmp_path, "--json"))
@@ -391,7 +391,7 @@ def test_at_a_speed_the_figure_has_torques_and_frequencies():
             assert other.get_ydata() == pytest.approx(factor * np.asarray(line.get_ydata()))
 
 
-def test_a_lossy_machine_that_locks_up_ends_at_ratio_1():
+def test_chart_with_losses_and_lock_up_ends_at_ratio_1():
     chart = compute_chart({**PLANAR, "output_friction": 1e-4}, 100.0)
     assert chart.lock_up_torque[0] > 0.0
     assert chart.summary()["end_ratio"] == 1.0
@@ -416,7 +416,7 @@ def test_command_compares_scenes_and_draws_a_map_of_a_machine_with_losses_only(t
 
 
 @pytest.mark.usefixtures("small_maps")
-def test_command_leaves_the_same_map_long_wide_and_for_matlab_in_the_unit_of_the_speed(tmp_path):
+def test_command_writes_the_map_long_wide_and_for_matlab(tmp_path):
     told = left("chart", "examples/planar.toml", "--map", "--speed", "1500 rpm", "-o", tmp_path)
     assert "1500 rpm), the reference speed of the converter tables" in told
     long, units = read_columns(tmp_path / "planar_map.csv")

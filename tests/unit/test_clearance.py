@@ -27,7 +27,7 @@ def axis(shaft_angle, turn):
 
 
 @given(st.floats(0.01, 1.0), st.floats(0.01, 1.0), st.integers(2, 24))
-def test_planar_satellites_overlap_where_their_circles_do(sun, satellite, count):
+def test_planar_satellites_overlap_with_their_circles(sun, satellite, count):
     centre = sun + satellite
     apart = abs(centre - centre * np.exp(2j * math.pi / count))
     assume(abs(apart - 2.0 * satellite) > 1e-9)
@@ -36,17 +36,17 @@ def test_planar_satellites_overlap_where_their_circles_do(sun, satellite, count)
 
 
 @given(st.integers(8, 80), st.integers(8, 80), st.floats(0.1, 3.0), st.integers(2, 24))
-def test_bevel_satellites_overlap_where_their_pitch_cones_do(z17, z6, shaft_angle, count):
+def test_bevel_satellites_overlap_with_their_pitch_cones(z17, z6, shaft_angle, count):
     phi = Geometry(z17=z17, z6=z6, shaft_angle=shaft_angle).phi
-    one, next_one = axis(shaft_angle, 0.0), axis(shaft_angle, 2.0 * math.pi / count)
-    apart = math.atan2(float(np.linalg.norm(np.cross(one, next_one))), float(one @ next_one))
+    first, second = axis(shaft_angle, 0.0), axis(shaft_angle, 2.0 * math.pi / count)
+    apart = math.atan2(float(np.linalg.norm(np.cross(first, second))), float(first @ second))
     assume(abs(apart - 2.0 * phi) > 1e-6)
     values = {"z17": z17, "z6": z6, "shaft_angle": shaft_angle, "satellites": count}
     assert warned(OVERLAP, **values) == (apart < 2.0 * phi)
 
 
 @given(st.floats(0.0, 2.0), st.floats(0.0, 2.0), st.floats(0.3, 2.5), st.integers(10, 60))
-def test_bevel_imbalance_is_outside_where_it_leaves_the_pitch_cone(a, b, shaft_angle, z17):
+def test_bevel_imbalance_outside_the_pitch_cone_is_reported(a, b, shaft_angle, z17):
     g = Geometry(z17=z17, z6=20, shaft_angle=shaft_angle, a=a, b=b)
     assume(g.phi < 0.49 * math.pi)
     room = min(g.QA * math.tan(g.phi), g.L * math.sin(g.phi))
@@ -56,7 +56,7 @@ def test_bevel_imbalance_is_outside_where_it_leaves_the_pitch_cone(a, b, shaft_a
 
 
 @given(own=st.floats(0.0, 1e-2), across=st.floats(0.0, 1e-2), layout=st.sampled_from([0, 1]))
-def test_bevel_satellite_is_too_flat_where_no_masses_have_its_inertias(own, across, layout):
+def test_bevel_satellite_with_impossible_inertias_is_reported(own, across, layout):
     # own: twice the sum of m x^2 of a body alike about z; across: that and the sum of m z^2
     along = across - 0.5 * own
     assume(abs(along) > 1e-9)
@@ -65,20 +65,20 @@ def test_bevel_satellite_is_too_flat_where_no_masses_have_its_inertias(own, acro
 
 
 @pytest.mark.parametrize("values", REFUSED["buildable"])
-def test_what_can_be_built_is_not_warned_of(values):
+def test_buildable_mechanism_has_no_warning(values):
     assert Module("plain").start(**values).warnings() == []
     assert DrivenShaft("plain").start().warnings() == []
 
 
 @pytest.mark.parametrize("values, sentence", REFUSED["clearance"])
-def test_warning_names_the_values_and_what_they_must_be(compiled, values, sentence):
+def test_warning_contains_the_values_and_their_limits(compiled, values, sentence):
     module = Module(compiled).start(**values)
     assert module.warnings() == [sentence]
-    # it is no refusal: the module runs as it did
+    # it is only a warning: the module runs
     module.set(omega1=100.0, load_torque=10.0)
     module.advance(0.01)
 
 
-def test_all_that_is_wrong_is_told_and_an_internal_satellite_has_no_neighbour():
+def test_all_warnings_are_reported_and_internal_satellites_do_not_overlap():
     assert len(Module("plain").start(**PLANAR | {"satellites": 12, "eccentricity": 0.04}).warnings()) == 2
     assert warned(OVERLAP, **INTERNAL, satellites=2)

@@ -100,7 +100,7 @@ def test_speeds_of_a_cycle_are_as_published(cycle, unit, speeds):
 
 
 @pytest.mark.parametrize("cycle", [*CYCLES.values(), pytest.param(None, id="steps")])
-def test_the_band_of_long_cycles_and_of_steps_is_that_by_brute_force(cycle):
+def test_tolerance_band_agrees_with_brute_force(cycle):
     cycle = cycle or Cycle("steps", np.array([2.0, 5.0, 5.0, 8.0, 8.0]), np.array([3.0, 3.0, 9.0, 9.0, 0.0]))
     times = np.linspace(-3.0, cycle.duration + 3.0, 997)
     lower, upper = cycle.tolerance_band(times)
@@ -153,7 +153,7 @@ def test_the_remark_names_the_first_and_the_farthest_time():
     )
 
 
-def test_a_run_that_ends_before_its_cycle_gets_a_remark():
+def test_run_shorter_than_its_cycle_has_a_remark():
     assert cycle_remarks(driven(RAMP.speed_at(0.1 * np.arange(101))), RAMP) == {
         "stop_time": "is 10 s, but ramp.csv lasts 20 s"
     }

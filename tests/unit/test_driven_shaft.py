@@ -12,7 +12,7 @@ from differences import assert_rates
 
 from inertia_module.model import DrivenShaft
 
-# J4, c, d, f: the corners of what is allowed, and ordinary shafts in each damping regime
+# J4, c, d, f: limits of the ranges, and ordinary shafts in each damping regime
 SHAFTS = {
     "undamped": (0.5, 400.0, 0.0, 0.0),
     "underdamped": (0.5, 400.0, 0.05, 0.1),
@@ -59,13 +59,13 @@ def exact(J, c, d, f, beta, hub, slope, load, twist, omega4, h):
     with mpmath.workdps(100):
         J, c, d, f, beta, hub, slope, load, h = map(mpmath.mpf, (J, c, d, f, beta, hub, slope, load, h))
         # rows over the linear state: twist, speed of the driven mass, time, one
-        speed, hub_speed, one = [0, 1, 0, 0], [0, 0, slope, hub], [0, 0, 0, 1]
+        speed, hub_speed, unit = [0, 1, 0, 0], [0, 0, slope, hub], [0, 0, 0, 1]
         slip, torque = [0, -1, slope, hub], [c, -d, d * slope, d * hub]
         rate = [c / J, -(d + f) / J, d * slope / J, (d * hub - load) / J + beta * slope]
         of = np.outer
-        lost = d * of(slip, slip) + f * of(speed, speed) - beta * J * slope * of(speed, one)
-        forms = [of(torque, one), of(torque, hub_speed), load * of(speed, one), lost]
-        flow, integrals = flow_of(np.array([slip, rate, one, [0] * 4]), forms, h)
+        lost = d * of(slip, slip) + f * of(speed, speed) - beta * J * slope * of(speed, unit)
+        forms = [of(torque, unit), of(torque, hub_speed), load * of(speed, unit), lost]
+        flow, integrals = flow_of(np.array([slip, rate, unit, [0] * 4]), forms, h)
         begin = np.array([mpmath.mpf(twist), mpmath.mpf(omega4), 0, 1])
         state = flow @ begin
         momentum, work, out, lost = (begin @ integral @ begin for integral in integrals)
@@ -94,25 +94,27 @@ def test_motion_torque_and_energies_are_exact(compiled, shaft, h):
     if math.sqrt(c / J) * h > 1e6 and d + f < 1e-3 * math.sqrt(c * J):
         h = 1e6 * math.sqrt(J / c)  # beyond, doubles do not know the phase
     beta, hub, slope, load = 0.4, 30.0, 7.0, 12.0
-    # a step of 1 s of constant speed gives the slope; what it leaves, and the jump after it, is the start
-    given = {"balancer": beta, "input_hold": 1, "hub_speed": hub - slope, "load_torque": load}
-    model = made(compiled, shaft, **given, omega_out_start=29.0, twist_start=0.01)
+    # a step of 1 s at constant speed sets the slope; its end and the jump after it are the start
+    inputs = {"balancer": beta, "input_hold": 1, "hub_speed": hub - slope, "load_torque": load}
+    model = made(compiled, shaft, **inputs, omega_out_start=29.0, twist_start=0.01)
     model.advance(1.0)
     before = model.read(ENERGIES)
     omega4, twist = model["omega_out"] + beta * slope, model["twist"]
     pushed = -J * beta * slope * (model["omega_out"] + 0.5 * beta * slope)
     model.set(hub_speed=hub)
     model.advance(h)
-    found, expected = model.snapshot(), exact(J, c, d, f, beta, hub, slope, load, twist, omega4, h)
+    actual, expected = model.snapshot(), exact(J, c, d, f, beta, hub, slope, load, twist, omega4, h)
     for name, earlier, jump in zip(ENERGIES, before, (0.0, 0.0, pushed), strict=True):
-        found[name] -= earlier + jump
+        actual[name] -= earlier + jump
     phase = 1.0 + math.sqrt(c / J) * h * (d + f < 2.0 * math.sqrt(c * J))
     # each is right to rounding of the largest it is made of: of its kind over this and the step before
-    speed = max(30.0 + 7.0 * h, abs(found["omega_out"]))
-    torque = max(abs(c * found["twist"]), *(abs(found[name]) for name in TORQUES), 12.0 + J)
-    energy = max(*(abs(found[name]) for name in found if name.startswith("energy")), *map(abs, before), 1e-9)
+    speed = max(30.0 + 7.0 * h, abs(actual["omega_out"]))
+    torque = max(abs(c * actual["twist"]), *(abs(actual[name]) for name in TORQUES), 12.0 + J)
+    energy = max(
+        *(abs(actual[name]) for name in actual if name.startswith("energy")), *map(abs, before), 1e-9
+    )
     scales = {
-        "twist": max(abs(found["twist"]), 0.01 if c < 1e9 else 0.0),
+        "twist": max(abs(actual["twist"]), 0.01 if c < 1e9 else 0.0),
         "omega_out": speed,
         "shaft_torque": torque,
         "shaft_torque_mean": torque,
@@ -120,13 +122,13 @@ def test_motion_torque_and_energies_are_exact(compiled, shaft, h):
         **dict.fromkeys(ENERGIES, energy),
     }
     for name, value in expected.items():
-        assert abs(found[name] - float(value)) <= 1e-14 * phase * scales[name], name
-    assert abs(found["energy_residual"]) <= 1e-14 * phase * energy
+        assert abs(actual[name] - float(value)) <= 1e-14 * phase * scales[name], name
+    assert abs(actual["energy_residual"]) <= 1e-14 * phase * energy
 
 
 @pytest.mark.parametrize("h", [1e-9, 5e-4, 0.1])
 def test_a_ramp_from_rest_is_exact_in_all_it_begins_with(compiled, h):
-    """Nothing larger hides what friction takes from the first twist."""
+    """The loss by friction of the first twist is not hidden by larger energies."""
     shaft = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.0, "driven_friction": 20.0}
     model = DrivenShaft(compiled).start(**shaft)
     model.set_rates(hub_speed=7.0)
@@ -169,7 +171,7 @@ WALK = ["undamped", "underdamped", "critical", "overdamped", "stiff, hardly damp
 
 
 @pytest.mark.parametrize("shaft, steps", [*((name, 2**14) for name in WALK), ("underdamped", 2**17)])
-def test_many_tiny_steps_are_one_long_step(compiled, shaft, steps):
+def test_many_tiny_steps_equal_a_long_step(compiled, shaft, steps):
     def end(count):
         module = made(
             compiled, shaft, hub_speed=20.0, load_torque=7.0, omega_out_start=19.0, twist_start=1e-3

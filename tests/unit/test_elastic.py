@@ -16,7 +16,7 @@ def damping(stiffness, share, hub=0.02, driven=0.5):
 
 
 @pytest.mark.parametrize("share", [0.1, 1.1, 3.0, 100.0])
-def test_slowest_rate_is_that_of_the_slowest_eigenvalue(share):
+def test_slowest_rate_is_the_slowest_eigenvalue(share):
     d, compliance = started("plain", ELASTIC, shaft_damping=damping(400.0, share)).derived, 1.0 / 0.02
     mobility = compliance + 1.0 / ELASTIC["driven_inertia"]
     slowest = min(abs(np.roots([1.0, d.shaft_damping * mobility, d.shaft_stiffness * mobility])))
@@ -93,7 +93,7 @@ def test_the_twist_of_a_shaft_pulled_by_its_load_follows_tolerance(compiled, dra
         assert abs(module["shaft_twist"] - twist) <= 30.0 * tolerance * scale
 
 
-def test_a_shaft_that_has_come_to_rest_costs_little(compiled):
+def test_resting_shaft_needs_few_evaluations(compiled):
     module = advanced(started(compiled, REFERENCE, ELASTIC, omega1=0.0), 1000.0)
     assert module["shaft_twist"] == pytest.approx(10.0 / 400.0, rel=1e-6)
     assert module["rhs_evaluations"] < 2e5

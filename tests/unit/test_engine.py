@@ -14,13 +14,13 @@ STILL = Governor(0.0, 0.0, 1e6)
 
 
 def engine(governor=STILL, **values):
-    given = {"inertia": 0.2, "reference": 150.0, "speed": 100.0, "torque": 20.0} | values
-    return Engine(limits=MAP, governor=governor, **given)
+    arguments = {"inertia": 0.2, "reference": 150.0, "speed": 100.0, "torque": 20.0} | values
+    return Engine(limits=MAP, governor=governor, **arguments)
 
 
-def test_speed_and_energy_under_a_load_with_inertia_are_those_of_a_fine_integration():
-    one = engine()
-    one.state = one.after(0.3, 5.0, inertia=0.07)
+def test_speed_and_energy_with_a_load_inertia_agree_with_a_fine_integration():
+    tested = engine()
+    tested.state = tested.after(0.3, 5.0, inertia=0.07)
 
     def rates(t, y):
         acceleration = (20.0 - 5.0) / 0.27
@@ -28,11 +28,11 @@ def test_speed_and_energy_under_a_load_with_inertia_are_those_of_a_fine_integrat
         return [acceleration, y[0], 20.0 * y[0], on_load * y[0], on_load]
 
     end = solve_ivp(rates, (0.0, 0.3), [100.0, 0.0, 0.0, 0.0, 0.0], "DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
-    state = one.state
+    state = tested.state
     assert (state.speed, state.angle, state.work_in, state.work_out, state.impulse_out) == pytest.approx(
         tuple(end), rel=1e-10
     )
-    assert one.energy_stored == pytest.approx(0.5 * 0.2 * end[0] ** 2, rel=1e-10)
+    assert tested.energy_stored == pytest.approx(0.5 * 0.2 * end[0] ** 2, rel=1e-10)
 
 
 @pytest.mark.parametrize("step", [0.0007, 0.003, 0.005, 0.0125, 0.15])
@@ -48,34 +48,34 @@ def test_how_a_time_is_cut_into_steps_makes_no_difference(step):
 
 
 def test_governor_holds_the_speed_against_a_load_without_error():
-    one = engine(Governor(4.0, 20.0))
+    tested = engine(Governor(4.0, 20.0))
     for _ in range(400):
-        one.state = one.after(0.01, 60.0)
-    assert one.speed == pytest.approx(150.0, abs=1e-6)
-    assert one.state.torque == pytest.approx(60.0, abs=1e-4)
+        tested.state = tested.after(0.01, 60.0)
+    assert tested.speed == pytest.approx(150.0, abs=1e-6)
+    assert tested.state.torque == pytest.approx(60.0, abs=1e-4)
 
 
 def test_torque_keeps_within_the_map_and_the_integral_does_not_wind_up():
     assert MAP.limits(100.0) == (-10.0, 150.0)
     assert MAP.limits(0.0) == (0.0, 80.0)  # at rest nothing drags
-    one = engine(Governor(4.0, 20.0), reference=290.0)
+    tested = engine(Governor(4.0, 20.0), reference=290.0)
     for _ in range(300):
-        one.state = one.after(0.01, 200.0 if one.speed > 100.0 else 0.0)
-        low, _ = MAP.limits(one.speed)
-        assert low - 30.0 <= one.state.torque <= 150.0
-    assert abs(one.state.integral) < 4.0 * 290.0 + 150.0
-    one.reference = 50.0
-    one.state = one.after(0.01, 0.0)
-    assert one.state.torque < 0.0  # it drags at once
+        tested.state = tested.after(0.01, 200.0 if tested.speed > 100.0 else 0.0)
+        low, _ = MAP.limits(tested.speed)
+        assert low - 30.0 <= tested.state.torque <= 150.0
+    assert abs(tested.state.integral) < 4.0 * 290.0 + 150.0
+    tested.reference = 50.0
+    tested.state = tested.after(0.01, 0.0)
+    assert tested.state.torque < 0.0  # it drags at once
 
 
-def test_an_engine_set_to_an_old_state_goes_on_from_it():
-    one = engine(Governor(4.0, 20.0))
-    kept = one.state = one.after(0.013, 10.0)
-    first = one.after(0.02, 10.0)
-    one.state = one.after(0.5, -3.0)
-    one.state = kept
-    assert one.after(0.02, 10.0) == first
+def test_engine_continues_from_a_restored_state():
+    tested = engine(Governor(4.0, 20.0))
+    saved = tested.state = tested.after(0.013, 10.0)
+    first = tested.after(0.02, 10.0)
+    tested.state = tested.after(0.5, -3.0)
+    tested.state = saved
+    assert tested.after(0.02, 10.0) == first
 
 
 @pytest.mark.parametrize(
@@ -98,6 +98,6 @@ def test_an_engine_set_to_an_old_state_goes_on_from_it():
         ),
     ],
 )
-def test_bad_values_are_refused_by_name(make, sentence):
+def test_invalid_values_are_rejected_by_name(make, sentence):
     with pytest.raises(ValueError, match=re.escape(sentence)):
         make()

@@ -41,11 +41,11 @@ def test_a_list_of_names_is_cut_off_and_may_be_empty():
         ("line 3 is not UTF-8", "line 3 is not UTF-8"),
     ],
 )
-def test_a_file_that_cannot_be_read_is_named_once_with_the_reason(reason, text):
+def test_unreadable_file_is_named_once_with_the_reason(reason, text):
     assert cannot_read("a.toml", reason) == f"cannot read a.toml: {text}"
 
 
-def test_a_bad_value_is_given_with_all_its_digits():
+def test_invalid_value_is_printed_with_all_digits():
     assert must_be("step", "above 0", -0.1) == "step must be above 0 (got -0.1)"
     assert must_be("layout", "bevel or planar", repr("flat")) == "layout must be bevel or planar (got 'flat')"
 

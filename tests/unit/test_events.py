@@ -29,7 +29,7 @@ def step_of(rate, start, which=guards.HOUSING):
 
 
 @pytest.mark.parametrize("root", [1e-4, 0.013, 0.05, 0.0999])
-def test_root_of_a_falling_speed_is_found(root):
+def test_root_of_a_falling_speed_is_located(root):
     d, x, w = step_of(lambda t: -2.0, 2.0 * root)
     zero = 1e-13
     sigma = location.first_fall(d, x, w, guards.HOUSING, zero)
@@ -37,7 +37,7 @@ def test_root_of_a_falling_speed_is_found(root):
     assert -3.0 * zero <= 2.0 * root - 2.0 * sigma * H <= 0.0
 
 
-def test_first_of_several_roots_is_found():
+def test_first_of_several_roots_is_located():
     """cos(40 t) falls through zero at pi / 80 and again at 5 pi / 80, beyond the step."""
     d, x, w = step_of(lambda t: -40.0 * math.sin(40.0 * t), 1.0)
     sigma = location.first_fall(d, x, w, guards.HOUSING, 1e-13)
@@ -51,7 +51,7 @@ def test_speed_that_stays_positive_has_no_event(least):
     assert location.first_fall(d, x, w, guards.HOUSING, 1e-13) == -1.0
 
 
-def test_dip_wider_than_two_samples_is_found():
+def test_dip_wider_than_two_samples_is_located():
     """(t - 0.05)^2 - (H / 12)^2 falls below zero between two of its roots."""
     root = 0.05 - H / 12.0
     d, x, w = step_of(lambda t: 2.0 * (t - 0.05), 0.05**2 - (H / 12.0) ** 2)
@@ -59,7 +59,7 @@ def test_dip_wider_than_two_samples_is_found():
     assert sigma * H == pytest.approx(root, rel=1e-9)
 
 
-def test_indicator_that_is_far_from_zero_or_grows_is_clear():
+def test_indicator_far_from_zero_or_growing_has_no_event():
     _, x, w = step_of(lambda t: -2.0, 10.0)
     assert guards.is_clear(x, w, guards.HOUSING)
     _, x, w = step_of(lambda t: 2.0, 0.0)

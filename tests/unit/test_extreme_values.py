@@ -68,7 +68,7 @@ def test_engine_turns_round_again_and_again(torque, angle, load):
 @pytest.mark.parametrize("off", [0.0, 1e-15, -1e-15, 1e-9, -1e-9])
 @pytest.mark.parametrize("angle", [0.5, math.pi, 4.0])
 @pytest.mark.parametrize("freewheels", FREEWHEELS)
-def test_torque_that_just_balances_the_load_at_standstill(driven, freewheels, off, angle):
+def test_torque_equal_to_the_load_at_standstill(driven, freewheels, off, angle):
     values = {**driven, **FREEWHEELS[freewheels], "omega1": 0.0, "drive_angle_start": angle}
     i, b, g = direct_sums(parameters(**values), angle)[::2]
     k = ratio(values | parameters(**values))
@@ -88,9 +88,9 @@ def test_spike_of_link_2_at_a_cusp_is_not_stepped_over(compiled, mass):
     values = {"omega1": 100.0, "load_torque": 10.0, "imbalance_mass": mass}
     tight = advanced(started(compiled, values, tolerance=1e-12), *[1e-3] * 1000)
     for tolerance in (1e-5, 1e-6, 1e-8):
-        one = advanced(started(compiled, values, tolerance=tolerance), 1.0)
-        assert one["contact_switches"] == tight["contact_switches"]
-        assert one["omega_out"] == pytest.approx(tight["omega_out"], rel=3.0 * tolerance)
+        module = advanced(started(compiled, values, tolerance=tolerance), 1.0)
+        assert module["contact_switches"] == tight["contact_switches"]
+        assert module["omega_out"] == pytest.approx(tight["omega_out"], rel=3.0 * tolerance)
 
 
 @pytest.mark.parametrize("power", [-10, -100])
@@ -104,8 +104,8 @@ def test_input_scales_exactly(compiled, power):
 
 
 @pytest.mark.parametrize("fidelity", [0, 2])
-def test_work_of_a_step_is_bounded_and_a_step_given_up_leaves_no_trace(monkeypatch, fidelity):
-    # in plain Python with a limit that is soon met; tests/fmu has that of the compiled kernel
+def test_work_of_a_step_is_bounded_and_an_abandoned_step_has_no_effect(monkeypatch, fidelity):
+    # in plain Python with a low limit; tests/fmu tests the limit of the compiled kernel
     assert engine.MAX_EVALUATIONS == 5e7
     monkeypatch.setattr(engine, "MAX_EVALUATIONS", 1e4)
     module = advanced(started("plain", fidelity=fidelity, omega1=1e5, load_torque=1e7), 1e-3)

@@ -1,4 +1,4 @@
-"""Levels of fidelity: measured for a scene, recommended, chosen where it says "auto", and printed."""
+"""Test fidelity levels: measurements, choice of a level, printed table."""
 
 import dataclasses
 import math
@@ -11,8 +11,12 @@ from refused import assert_refused
 
 from inertia_module.common import files
 from inertia_module.common.examples import example
-from inertia_module.fidelity import trials
-from inertia_module.fidelity.trials import Row, event, recommend, run_in_process, window_errors
+from inertia_module.fidelity import levels, measure
+from inertia_module.fidelity.choice import best_rows, choose, recommend
+from inertia_module.fidelity.level_table import print_levels
+from inertia_module.fidelity.levels import at_level, event
+from inertia_module.fidelity.measure import run_in_process, window_errors
+from inertia_module.fidelity.rows import Row
 from inertia_module.fmi.simulate import Result
 from inertia_module.interface.variables import BY_NAME, COMPUTED
 from inertia_module.scene import load_scene, run_scene
@@ -35,16 +39,15 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(autouse=True)
-def kept(folder, monkeypatch):
-    """Measurements of these tests are kept in a folder of their own: each scene is measured once."""
-
-    monkeypatch.setattr(trials, "kept", partial(files.kept, folder=folder))
+def cache(folder, monkeypatch):
+    """Store the measurements of these tests in their own folder, so that each scene is measured once."""
+    monkeypatch.setattr(measure, "kept", partial(files.kept, folder=folder))
 
 
 # --- the scene ---
 
 
-def test_another_fidelity_can_be_asked_for():
+def test_fidelity_of_a_scene_can_be_replaced():
     rigid = SCENE.replaced(mechanism={"fidelity": "kinematic"}).with_fidelity("rigid")
     assert rigid.parameters()["fidelity"] == 2.0
     auto = rigid.with_fidelity("auto", 0.05)
@@ -53,153 +56,146 @@ def test_another_fidelity_can_be_asked_for():
     assert_refused(r"mechanism\.fidelity must be .* .got 'ideal'.", rigid.with_fidelity, "ideal")
 
 
-def test_a_scene_is_not_run_before_its_fidelity_is_chosen(tmp_path):
+def test_scene_with_fidelity_auto_cannot_run(tmp_path):
     assert_refused("must be a named level .got 'auto'.*Choose one", run_scene, SCENE, tmp_path / "none.fmu")
 
 
 # --- the levels of fidelity ---
 
 
-def test_names_that_a_level_lacks_are_those_of_the_module_and_have_a_reason():
-    for lacking in trials.NOT_MODELLED.values():
-        assert set(lacking) <= set(COMPUTED) <= set(BY_NAME)
-    averaged = trials.NOT_MODELLED[1]
+def test_outputs_that_a_level_does_not_model_are_outputs_of_the_module_with_a_reason():
+    for outputs in levels.NOT_MODELLED.values():
+        assert set(outputs) <= set(COMPUTED) <= set(BY_NAME)
+    averaged = levels.NOT_MODELLED[1]
     assert "no pulses" in averaged["output_torque"]
     assert "no pinion-shaft angle" in averaged["imbalance_acceleration"]
     assert not {"output_torque_mean", "omega_out"} & averaged.keys()
 
 
-def test_a_level_takes_the_place_of_the_settings_of_a_scene():
+def test_level_replaces_the_settings_of_a_scene():
     fixed = {"fidelity": "rigid", "method": "timestepping", "max_step": "0.1 ms"}
-    found = trials.at_level(SCENE.replaced(mechanism=fixed), event(2, 1e-6))
-    assert found.accuracy.tolerance == 1e-6
-    assert not {"method", "max_step"} & found.parameters().keys()
+    scene = at_level(SCENE.replaced(mechanism=fixed), event(2, 1e-6))
+    assert scene.accuracy.tolerance == 1e-6
+    assert not {"method", "max_step"} & scene.parameters().keys()
 
 
-def test_a_driven_mass_is_rigid_with_the_hub_where_there_is_no_shaft():
+def test_driven_mass_is_rigid_with_the_hub_at_level_rigid():
     shaft = SCENE.replaced(mechanism={"driven_inertia": 0.3, "output_inertia": 0.1})
-    rigid = trials.at_level(shaft, event(2, 1e-6))
+    rigid = at_level(shaft, event(2, 1e-6))
     assert rigid.parameters()["output_inertia"] == pytest.approx(0.1 + 0.3 + 0.2)
-    elastic = trials.at_level(shaft, event(3, 1e-6))
+    elastic = at_level(shaft, event(3, 1e-6))
     assert elastic.parameters()["output_inertia"] == 0.1
     assert elastic.parameters()["driven_inertia"] == pytest.approx(0.3 + 0.2)
-    assert trials.reference_level(shaft).fidelity == 3
-    assert trials.reference_level(SCENE).fidelity == 2
+    assert levels.reference_level(shaft).fidelity == 3
+    assert levels.reference_level(SCENE).fidelity == 2
 
 
 # --- errors over windows ---
 
 
 @pytest.mark.parametrize(
-    "name, ours, exact, window, expected",
+    "name, values, exact, window, expected",
     [
-        # by the window and not by the instant
+        # averages of windows, not instantaneous values
         ("omega_out", (2.0, 2.0, 0.0, 0.0), (0.0, 0.0, 2.0, 2.0), 0.4, 0.0),
         ("omega_out", (2.0, 2.0, 0.0, 0.0), (0.0, 0.0, 2.0, 2.0), 0.2, 1.0),
-        # what pulses by its RMS too
+        # RMS of a pulsing output
         ("output_torque", (1.0, 1.0), (3.0, -1.0), 0.2, (math.sqrt(5.0) - 1.0) / 3.0),
         ("output_torque_mean", (1.0, 1.0), (3.0, -1.0), 0.2, 0.0),
-        # energies by the energy in; evaluations are a matter of cost
+        # energies relative to the input energy; evaluations measure cost, not accuracy
         ("energy_residual", (0.5, 0.5), (0.0, 0.0), 0.2, 0.01),
         ("rhs_evaluations", (9.0, 9.0), (1.0, 1.0), 0.2, 0.0),
     ],
 )
-def test_errors_are_largest_differences_over_windows(name, ours, exact, window, expected):
+def test_errors_are_maximum_differences_over_windows(name, values, exact, window, expected):
     def record(steps):
-        values = np.concatenate([[0.0], np.tile(steps, 5)])  # the start, and what is repeated
+        values = np.concatenate([[0.0], np.tile(steps, 5)])  # start value, then the steps repeated
         time = np.arange(values.size) * 0.1
         columns = {"time": time, "energy_in": np.full(values.size, 50.0), name: values}
         return Result.from_columns({**columns, "omega2": values})
 
-    found = window_errors(record(ours), record(exact), window, 2)
-    assert found[name] == pytest.approx(expected)
-    assert math.isnan(window_errors(record(ours), record(exact), window, 1)["omega2"])
+    errors = window_errors(record(values), record(exact), window, 2)
+    assert errors[name] == pytest.approx(expected)
+    assert math.isnan(window_errors(record(values), record(exact), window, 1)["omega2"])
 
 
 # --- the choice ---
 
 
-def test_the_module_in_process_is_the_plant_of_the_same_loop(built):
-    rigid = trials.at_level(SCENE, event(2, 1e-8))
-    ours = run_in_process(rigid)
+def test_run_in_memory_equals_the_run_of_the_fmu(built):
+    rigid = at_level(SCENE, event(2, 1e-8))
+    record = run_in_process(rigid)
     fmu = run_scene(rigid, built / "InertiaModule.fmu").record
     for name in ("omega_out", "output_torque_mean", "load_torque"):
-        assert ours[name] == pytest.approx(fmu[name], rel=1e-12, abs=1e-12)
+        assert record[name] == pytest.approx(fmu[name], rel=1e-12, abs=1e-12)
 
 
 @pytest.mark.parametrize("first", ["omega_out", "imbalance_acceleration"])
-def test_the_chosen_level_meets_the_error_in_all_outputs_and_has_them(first):
-    chosen, choice = trials.choose(SCENE.replaced(run={"outputs": [first, "output_torque_mean"]}))
+def test_chosen_level_meets_the_error_in_all_outputs(first):
+    chosen, choice = choose(SCENE.replaced(run={"outputs": [first, "output_torque_mean"]}))
     assert not chosen.chooses_fidelity
     fidelity = int(chosen.parameters()["fidelity"])
-    exact = run_in_process(trials.at_level(SCENE, event(2, 1e-12)))
+    exact = run_in_process(at_level(SCENE, event(2, 1e-12)))
     errors = window_errors(run_in_process(chosen), exact, 0.1, fidelity)
-    assert choice.wanted == (first, "output_torque_mean")
-    assert all(errors[name] <= 0.02 for name in choice.wanted)
+    assert choice.outputs == (first, "output_torque_mean")
+    assert all(errors[name] <= 0.02 for name in choice.outputs)
     assert choice.row.wall_time > 0.0
     assert fidelity == 2 or first == "omega_out"
 
 
-def test_measurements_are_kept_whatever_error_and_outputs_are_asked_for(monkeypatch):
-    first = trials.trial_rows(SCENE)
+def test_measurements_are_cached_for_every_error_and_all_outputs(monkeypatch):
+    first = measure.trial_rows(SCENE)
 
     def fail(*_):
         raise AssertionError("measured again")
 
-    monkeypatch.setattr(trials, "run_in_process", fail)
+    monkeypatch.setattr(measure, "run_in_process", fail)
     other = SCENE.replaced(accuracy={"error": "3 %"}, run={"outputs": ["output_torque_mean"]})
-    again = trials.trial_rows(other)
-    assert [row.label for row in again] == [row.label for row in first]
-    assert [row.wall_time for row in again] == pytest.approx([row.wall_time for row in first], nan_ok=True)
+    second = measure.trial_rows(other)
+    assert [row.label for row in second] == [row.label for row in first]
+    assert [row.wall_time for row in second] == pytest.approx([row.wall_time for row in first], nan_ok=True)
 
 
-def test_another_mechanism_is_measured_anew():
+def test_measurements_depend_on_the_mechanism():
     other = SCENE.replaced(mechanism={"imbalance_mass": 2})
-    assert trials.measured_from(SCENE) != trials.measured_from(other)
+    assert measure.dependencies(SCENE) != measure.dependencies(other)
 
 
-def test_a_scene_is_measured_in_longer_steps_too(monkeypatch):
-    levels = list(trials.all_levels(False))[::4]
-    monkeypatch.setattr(trials, "all_levels", lambda *_, **__: levels)
-    short = SCENE.replaced(run={"stop_time": 0.05})
-    rows = trials.measured_rows(short)
-    assert {row.communication_step for row in rows} == {0.005, 0.05}
-    done = [row for row in rows if not row.failure]
-    assert all(row.worst(["omega_out"]) == row.errors["omega_out"] for row in done)
-    assert dataclasses.replace(done[0], failure="no").worst(["omega_out"]) == float("inf")
+def test_failed_run_has_an_infinite_error():
+    rows = [row for row in measure.trial_rows(SCENE) if not row.failure]
+    assert all(row.max_error(["omega_out"]) == row.errors["omega_out"] for row in rows)
+    assert dataclasses.replace(rows[0], failure="no").max_error(["omega_out"]) == float("inf")
 
 
 # --- losses ---
 
 
-def test_level_that_refuses_the_losses_of_a_scene_is_not_chosen():
-    refusing = "averaged"
+def test_level_that_rejects_the_losses_of_a_scene_is_not_chosen():
     lossy = SCENE.replaced(mechanism={"windage": 1e-4}, accuracy={"error": "100 %"})
-    rows = trials.trial_rows(lossy)
-    assert {row.level for row in rows if "must be" in row.failure} == {refusing}
-    chosen, choice = trials.choose(lossy)
-    assert choice.row.level != refusing
+    rows = measure.trial_rows(lossy)
+    assert {row.level for row in rows if "must be" in row.failure} == {"averaged"}
+    chosen, choice = choose(lossy)
+    assert choice.row.level != "averaged"
     assert run_in_process(chosen).last()["time"] == pytest.approx(0.2)
-    # what refuses and might be cheaper is told with the sentence
-    assert any(label.startswith(refusing) for label in choice.passed)
+    assert any(label.startswith("averaged") for label in choice.rejections)
 
 
-def test_weights_that_averaged_leaves_out_are_in_its_error():
+def test_error_of_averaged_includes_the_weights_that_it_ignores():
     def averaged(scene):
-        (row,) = (row for row in trials.trial_rows(scene) if row.level == "averaged")
+        (row,) = (row for row in measure.trial_rows(scene) if row.level == "averaged")
         return row.errors["output_torque_mean"]
 
     assert averaged(SCENE.replaced(mechanism={"gravity": 1000.0})) > 3.0 * averaged(SCENE)
 
 
-def test_measurements_are_made_anew_where_the_equations_of_losses_change(monkeypatch):
-    named = []
-    monkeypatch.setattr(trials, "sources", lambda *patterns: named.extend(patterns) or {})
-    trials.measured_from(SCENE)
-    assert any(Path("kernel/equations/motion.py").match(pattern) for pattern in named)
+def test_measurements_depend_on_the_equations_of_losses(monkeypatch):
+    patterns = []
+    monkeypatch.setattr(measure, "sources", lambda *names: patterns.extend(names) or {})
+    measure.dependencies(SCENE)
+    assert any(Path("kernel/equations/motion.py").match(pattern) for pattern in patterns)
 
 
-# --- the recommendation: the cheapest measured level that meets the error, and why ---
+# --- recommendation: the cheapest measured level that meets the error, with reasons ---
 
 
 def row(fidelity, method, setting, wall_time, evaluations=1.0, failure="", **errors):
@@ -212,17 +208,17 @@ FINE = row("rigid", "", "tolerance 1e-02", 5.0, 20.0, omega_out=2e-3, omega2=8e-
 LOOSE = row("rigid", "", "tolerance 1e-03", 7.8, 50.0, omega_out=1e-4, omega2=5e-4)
 TIGHT = row("rigid", "", "tolerance 1e-09", 7.9, 90.0, omega_out=1e-9, omega2=2e-9)
 ELASTIC = row("elastic", "", "tolerance 1e-03", 30.0, 50.0, omega_out=1e-5, omega2=1e-5)
-BROKEN = row("rigid", "", "tolerance 1", math.nan, math.nan, "tolerance = 1 is refused")
+BROKEN = row("rigid", "", "tolerance 1", math.nan, math.nan, "tolerance = 1 is invalid")
 PEER = row("peer", "LSODA", "rtol 1e-9", 0.01, omega_out=0.0, omega2=0.0)
 ROWS = [AVERAGED, COARSE, FINE, LOOSE, TIGHT, ELASTIC, BROKEN, PEER]
 
 
 @pytest.mark.parametrize(
-    "error, wanted, expected",
+    "error, outputs, expected",
     [
         (1e-2, ["omega_out"], AVERAGED),
         (1e-2, ["omega_out", "omega2"], FINE),
-        # met to the digit
+        # error equal to the limit
         (4e-3, ["omega_out"], AVERAGED),
         (2e-3, ["omega_out"], FINE),
         (1e-3, ["omega_out"], LOOSE),
@@ -232,28 +228,28 @@ ROWS = [AVERAGED, COARSE, FINE, LOOSE, TIGHT, ELASTIC, BROKEN, PEER]
         (1.0, ["omega_out"], AVERAGED),
     ],
 )
-def test_the_cheapest_that_meets_the_error_is_recommended(error, wanted, expected):
-    choice = recommend(ROWS, error, wanted)
+def test_cheapest_level_that_meets_the_error_is_recommended(error, outputs, expected):
+    choice = recommend(ROWS, error, outputs)
     assert choice.row is expected
-    assert choice.row.worst(wanted) <= error
+    assert choice.row.max_error(outputs) <= error
 
 
-def test_next_level_is_the_cheapest_of_a_higher_fidelity_that_meets_the_error_or_much_finer():
+def test_next_level_has_a_higher_fidelity_or_a_tenth_of_the_error():
     choice = recommend(ROWS, 1e-2, ["omega_out"])
-    assert (choice.following, choice.ratio) == (FINE, 5.0)
-    assert recommend(ROWS, 1e-3, ["omega_out"]).following is ELASTIC
+    assert (choice.next_row, choice.ratio) == (FINE, 5.0)
+    assert recommend(ROWS, 1e-3, ["omega_out"]).next_row is ELASTIC
     rigid = [FINE, LOOSE]
-    assert recommend(rigid, 1e-2, ["omega_out"]).following is LOOSE
-    assert recommend(rigid, 1e-3, ["omega_out"]).following is None
+    assert recommend(rigid, 1e-2, ["omega_out"]).next_row is LOOSE
+    assert recommend(rigid, 1e-3, ["omega_out"]).next_row is None
 
 
-def test_it_says_what_why_and_what_the_next_would_cost():
+def test_choice_prints_reasons_and_the_cost_of_the_next_level():
     text = "\n".join(recommend(ROWS, 1e-2, ["omega_out", "omega2"]).lines())
     assert "chosen: rigid, tolerance 1e-02: error 0.008 (omega2), requested 0.01" in text
     assert "rejected: averaged, map: it has no pulses, only their mean (omega2)" in text
     assert "rejected: rigid, tolerance 1e-01: error 0.3 (omega2)" in text
     assert (
-        "rejected: rigid, tolerance 1: tolerance = 1 is refused"
+        "rejected: rigid, tolerance 1: tolerance = 1 is invalid"
         in recommend([AVERAGED, BROKEN], 1e-2, ["omega_out"]).lines()
     )
     assert "next level: elastic, tolerance 1e-03: error 1e-05" in text
@@ -261,7 +257,7 @@ def test_it_says_what_why_and_what_the_next_would_cost():
 
 
 @pytest.mark.parametrize(
-    "rows, error, wanted, words",
+    "rows, error, outputs, words",
     [
         (
             ROWS,
@@ -270,13 +266,13 @@ def test_it_says_what_why_and_what_the_next_would_cost():
             "no fidelity level reaches error = 1e-12 in omega_out; best: .* error 1e-09",
         ),
         ([TIGHT], 1.0, "energy_in", "no reference for energy_in"),
-        # what a level does not model comes before what is unknown
+        # outputs that are not modelled come before outputs without a reference
         ([TIGHT], 1.0, "energy_in shaft_twist", "it has no elastic shaft"),
         ([PEER], 1.0, "omega_out", "no level was measured"),
     ],
 )
-def test_an_error_that_none_meets_is_refused_with_the_best(rows, error, wanted, words):
-    assert_refused(words, recommend, rows, error, wanted.split())
+def test_unreachable_error_is_rejected_with_the_best_level(rows, error, outputs, words):
+    assert_refused(words, recommend, rows, error, outputs.split())
 
 
 # --- on a terminal ---
@@ -293,10 +289,10 @@ LEVELS = [
 ]
 
 
-@pytest.mark.parametrize("wanted", [OUTPUTS[:1], OUTPUTS[:2], OUTPUTS[7:9], OUTPUTS])
-def test_trade_has_a_line_for_each_level_and_fits_the_terminal(wanted, capsys, monkeypatch):
+@pytest.mark.parametrize("outputs", [OUTPUTS[:1], OUTPUTS[:2], OUTPUTS[7:9], OUTPUTS])
+def test_table_has_a_line_for_each_level_and_fits_the_terminal(outputs, capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
-    trials.print_levels("A scene", LEVELS, wanted)
+    print_levels("A scene", LEVELS, outputs)
     lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) <= 80
     assert not any("…" in line for line in lines)
@@ -306,17 +302,17 @@ def test_trade_has_a_line_for_each_level_and_fits_the_terminal(wanted, capsys, m
     assert not any("tolerance 1e-07" in line for line in lines)
     heading = next(" ".join(line.split()) for line in lines if line.startswith("fidelity level"))
     assert heading == "fidelity level setting error maximum in ms per s"
-    assert any(wanted[0].split("_")[0] in line and line.rstrip().endswith("1.6") for line in lines)
+    assert any(outputs[0].split("_")[0] in line and line.rstrip().endswith("1.6") for line in lines)
 
 
-def test_recommended_level_is_the_fastest_of_those_printed_that_meet_the_error():
+def test_recommended_level_is_the_fastest_printed_level_that_meets_the_error():
     for error in (1e-2, 1e-4, 1e-8):
-        printed = trials.at_levels(LEVELS, error, OUTPUTS)
+        printed = best_rows(LEVELS, error, OUTPUTS)
         choice = recommend(LEVELS, error, OUTPUTS)
-        meeting = [row for row in printed if row.worst(OUTPUTS) <= error]
+        meeting = [row for row in printed if row.max_error(OUTPUTS) <= error]
         assert choice.row is min(meeting, key=lambda row: row.wall_time)
 
 
 def test_level_that_does_not_meet_the_error_shows_its_most_accurate_setting():
-    printed = trials.at_levels(LEVELS, 1e-12, OUTPUTS)
+    printed = best_rows(LEVELS, 1e-12, OUTPUTS)
     assert [row.setting for row in printed if row.fidelity == "rigid"] == ["tolerance 1e-07"]

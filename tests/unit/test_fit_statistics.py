@@ -104,7 +104,7 @@ def test_product_of_two_keys_is_not_identifiable_also_if_a_search_ends_at_a_boun
     assert [profile_end(optimum, 0, side).value for side in (-1, 1)] == pytest.approx([0.5, 4.0])
 
 
-def test_physical_limit_ends_an_interval_and_a_range_leaves_it_open():
+def test_physical_limit_bounds_an_interval_but_a_range_does_not():
     for physical, is_open in (((0.0, np.inf), False), ((-1.0, np.inf), True)):
         keys = key("mean", 0.5), key("slope", 0.5, 0.0, 4.0, 4.0, physical)
         optimum = problem(trend, keys, trend(1.0) + noise(3)).minimise(np.array([0.5, 0.5]))
@@ -139,7 +139,7 @@ def test_f_test_has_its_level_also_with_autocorrelated_noise(correlation):
     assert np.mean(np.array(p_values) < 0.05) < 0.1
 
 
-def test_collinearity_index_of_a_key_that_another_one_replaces():
+def test_collinearity_index_of_a_replaceable_key():
     def model(mean, slope=0.0, same=1.0):
         return mean * same + slope * TIME
 

@@ -1,4 +1,4 @@
-"""The freewheels: what holds, what slips, what rests, and what moves. (That none pulls: test_motions.py.)"""
+"""Test locking, slip, rest and motion at the freewheels (test_motions.py tests that none pulls)."""
 
 from itertools import product
 
@@ -48,7 +48,7 @@ def test_mode_at_rest_is_the_same_by_all_methods_and_stays(compiled, scene):
 
 @ideal
 def test_link_2_pushed_backwards_without_load_stays_held_with_the_shaft(compiled, scene):
-    # pulses of the bevel layout end at half a turn, those of the planar one begin there
+    # pulses of the bevel layout end at half a turn; pulses of the planar layout start there
     angle = 3.13 if scene.get("layout") else 3.15
     module = started(compiled, scene, drive_angle_start=angle, load_torque=0.0, drive_torque=0.0)
     for _ in range(20):
@@ -58,7 +58,7 @@ def test_link_2_pushed_backwards_without_load_stays_held_with_the_shaft(compiled
 
 
 @motions(LEVELS, added=("ideal",), missing=(), drives=("speed",))
-def test_link_2_stays_held_where_the_input_stops_and_the_shaft_runs_on(compiled, scene):
+def test_link_2_stays_at_rest_when_the_input_stops_and_the_shaft_coasts(compiled, scene):
     module = advanced(started(compiled, scene), *[1e-3] * 300)
     advanced(module, *[1e-3] * 50, omega1=0.0, load_torque=1.0)
     switches = module["contact_switches"]
@@ -70,12 +70,12 @@ def test_link_2_stays_held_where_the_input_stops_and_the_shaft_runs_on(compiled,
 
 
 @motions(LEVELS, added=("ideal", "losses"), missing=(), drives=("speed",))
-def test_ramp_that_a_host_follows_but_for_rounding_opens_no_freewheel(compiled, scene):
+def test_ramp_with_rounding_errors_opens_no_freewheel(compiled, scene):
     names = ("contact_switches", "housing_engagements", "output_engagements")
     for rate in (333.3, -91.7):
-        one, many = (started(compiled, scene, omega1=100.0, max_step=1e-4) for _ in range(2))
-        one.set_rates(omega1=rate)
-        one.advance(0.2)
+        single, many = (started(compiled, scene, omega1=100.0, max_step=1e-4) for _ in range(2))
+        single.set_rates(omega1=rate)
+        single.advance(0.2)
         differ = 0
         for n in range(200):
             many.set(omega1=100.0 + rate * n * 1e-3)
@@ -83,12 +83,14 @@ def test_ramp_that_a_host_follows_but_for_rounding_opens_no_freewheel(compiled, 
             many.set_rates(omega1=rate)
             many.advance(1e-3)
         assert differ > 20
-        assert [many[name] for name in names] == [one[name] for name in names]
-        assert abs(many["energy_residual"]) <= max(1e-6 * passed(one), 1.1 * abs(one["energy_residual"]))
+        assert [many[name] for name in names] == [single[name] for name in names]
+        assert abs(many["energy_residual"]) <= max(
+            1e-6 * passed(single), 1.1 * abs(single["energy_residual"])
+        )
 
 
 @motions(LEVELS, added=("ideal", "losses", "wind-up"), missing=tuple(FREEWHEELS)[1:], drives=("speed",))
-def test_duty_of_the_freewheels_is_that_of_a_record_in_short_steps(compiled, scene):
+def test_duty_of_the_freewheels_agrees_with_short_steps(compiled, scene):
     whole = advanced(started(compiled, scene), 0.2, 0.1)
     module = advanced(started(compiled, scene), 0.2)
     there = {"housing": scene.get("housing_freewheel", True), "output": scene.get("output_freewheel", True)}

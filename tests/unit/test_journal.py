@@ -21,7 +21,7 @@ def evaluator(folder, name="one"):
     return Evaluator(Task(b"", {"name": name}, None), folder)
 
 
-def test_what_was_kept_is_there_bit_for_bit_and_what_a_kill_cut_off_is_missing(tmp_path):
+def test_stored_rows_are_exact_and_a_truncated_row_is_missing(tmp_path):
     first = evaluator(tmp_path)
     first.keep(Batch(ROWS[:1], {"energy_in": "J"}))
     first.keep(Batch(ROWS[1:2], {}))
@@ -39,7 +39,7 @@ def test_results_of_another_task_are_not_mixed_in(tmp_path):
     assert_refused("another scene", evaluator, tmp_path, "other")
 
 
-def test_tables_have_units_and_leave_out_what_there_is_not(tmp_path):
+def test_tables_have_units_and_omit_missing_columns(tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
     files = write_tables(tmp_path, "sweep", ROWS, {"energy_in": "J", "drive.omega1": "rad/s"})
     table = parquet.read_table(files["parquet"])

@@ -41,13 +41,13 @@ def test_no_name_is_a_reserved_word(fmu):
 
 
 @pytest.mark.parametrize("fmu", FMUS, ids=lambda fmu: fmu.identifier)
-def test_all_names_but_those_of_units_and_files_are_identifiers(fmu):
+def test_names_except_units_and_files_are_identifiers(fmu):
     for kind, name in names_of(fmu):
         if kind not in ("Unit", "DisplayUnit", "File"):
             assert name.isascii(), name
             assert name.isidentifier(), name
 
 
-def test_the_item_that_was_a_reserved_word_of_modelica_has_another_name():
+def test_item_named_like_a_modelica_keyword_is_renamed():
     assert "constant" in KEYWORDS["modelica"]
     assert [item for item, *_ in ENUMERATIONS["InputHold"]] == ["zero_order", "linear"]

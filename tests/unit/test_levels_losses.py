@@ -50,14 +50,14 @@ def found(level, name, by_torque=False):
     return "yes" if changed else "no"
 
 
-def test_every_parameter_is_told_at_every_level():
+def test_every_parameter_is_documented_at_every_level():
     table = told()
     assert table.keys() == SIZES.keys()
     assert all([*cells] == [level.name for level in LEVELS] for cells in table.values())
 
 
 @pytest.mark.parametrize("level", LEVELS, ids=lambda level: level.name)
-def test_level_has_the_losses_that_the_page_tells(level):
+def test_levels_have_the_losses_of_the_page(level):
     for name, cells in told().items():
         cell = cells[level.name]
         assert found(level, name) == cell, name
@@ -79,14 +79,14 @@ def study(monkeypatch):
     return make_weight_picture
 
 
-def test_page_says_what_the_table_has(study):
+def test_page_agrees_with_the_table(study):
     page = PAGE.read_text(encoding="utf-8")
     lines = list(study.lines_of_page(study.read()))
     assert len(lines) == len(study.MECHANISMS) * len(study.RATIOS)
     assert all(page.count(f"{line}\n") == 1 for line in lines)
 
 
-def test_table_is_what_the_module_gives(study):
+def test_table_agrees_with_the_module(study):
     with (DOCS / "explanation" / "weight.csv").open(encoding="utf-8", newline="") as file:
         _, *lines = csv.reader(file)
     mechanism, body = study.MECHANISMS["planar"]

@@ -8,7 +8,7 @@ STEP_MEANS = ("mesh_torque_mean", "housing_torque_mean")
 
 @pytest.mark.parametrize("satellites, modules", [(1, 1), (1, 3), (2, 1), (2, 3), (3, 3), (7, 1)])
 @motions(levels=("kinematic", "rigid", "elastic"), added=("gears",), missing=())
-def test_moment_about_the_axis_is_what_link_1_and_link_2_are_given(compiled, scene, satellites, modules):
+def test_moment_about_the_axis_is_the_sum_of_external_torques(compiled, scene, satellites, modules):
     several = {"satellites": satellites, "modules": modules, "drive_inertia": 0.003, "drive_angle_start": 1.0}
     module = started(compiled, scene, several, omega1=60.0)
     for step in (0.0, 0.003, 0.01):
@@ -26,33 +26,35 @@ def test_accelerations_are_the_rates_of_the_speeds(compiled, scene):
     module = advanced(started(compiled, scene, load_torque=3.0, drive_angle_start=1.0, tolerance=1e-12), 0.02)
     step, names = 1e-6, {"input_acceleration": "input_speed", "output_acceleration": "omega_out"}
     before = {name: module[speed] for name, speed in names.items()}
-    found = {name: module[name] for name in names}
+    accelerations = {name: module[name] for name in names}
     advanced(module, step)
     for name, speed in names.items():
-        middle = 0.5 * (found[name] + module[name])
+        middle = 0.5 * (accelerations[name] + module[name])
         assert (module[speed] - before[name]) / step == pytest.approx(middle, rel=1e-4, abs=1e-2)
 
 
 @motions(levels=("kinematic", "rigid", "elastic"), added=("ideal",), missing=())
 @pytest.mark.parametrize("duration", [1e-3, 1e-2, 0.1])
-def test_peak_on_the_bearing_is_that_of_all_instants(compiled, scene, duration):
+def test_peak_on_the_bearing_is_the_maximum_over_the_step(compiled, scene, duration):
     scene = scene | {"load_torque": 3.0, "drive_angle_start": 1.0}
-    one, many = (advanced(started(compiled, scene), 0.03) for _ in range(2))
-    advanced(one, duration)
-    assert one["satellite_force"] == pytest.approx(one["imbalance_mass"] * one["imbalance_acceleration"])
+    single, many = (advanced(started(compiled, scene), 0.03) for _ in range(2))
+    advanced(single, duration)
+    assert single["satellite_force"] == pytest.approx(
+        single["imbalance_mass"] * single["imbalance_acceleration"]
+    )
     peak = many["satellite_force"]
     for _ in range(1000):
         advanced(many, duration / 1000)
         peak = max(peak, many["satellite_force"])
-    assert 0.99 * peak <= one["satellite_force_peak"] <= 1.01 * peak
+    assert 0.99 * peak <= single["satellite_force_peak"] <= 1.01 * peak
 
 
-def test_peak_on_the_bearing_of_a_mean_motion_is_that_of_its_last_instant(compiled):
+def test_peak_on_the_bearing_of_averaged_is_its_last_value(compiled):
     module = advanced(started(compiled, SCENES["planar"], fidelity=1), 0.1)
     assert module["satellite_force_peak"] == module["satellite_force"]
 
 
-def test_nothing_is_known_of_a_step_before_the_first(compiled, scene):
+def test_step_outputs_are_zero_before_the_first_step(compiled, scene):
     module = started(compiled, scene)
     for name in (*STEP_MEANS, "loss_power_mean", "output_angle", "output_turns"):
         assert module[name] == 0.0
@@ -60,13 +62,13 @@ def test_nothing_is_known_of_a_step_before_the_first(compiled, scene):
 
 
 @motions(levels=("kinematic", "averaged", "rigid", "elastic"), added=("ideal", "friction"), missing=())
-def test_means_and_peak_are_those_of_the_torques_at_each_instant(compiled, scene):
+def test_means_and_peak_agree_with_instantaneous_torques(compiled, scene):
     duration, steps = 0.04, 1600
     scene = scene | {"load_torque": 3.0, "drive_angle_start": 1.0, "tolerance": 1e-10}
-    one, many = (started(compiled, scene) for _ in range(2))
+    single, many = (started(compiled, scene) for _ in range(2))
     ramp = 0.0 if scene.get("drive") else 700.0
-    one.set_rates(omega1=ramp)
-    one.advance(duration)
+    single.set_rates(omega1=ramp)
+    single.advance(duration)
     names = ("input_torque", "mesh_torque", "housing_torque", "output_torque", "omega_out")
     means, largest, squares, peak = dict.fromkeys(names, 0.0), 0.0, 0.0, 0.0
     for n in range(steps):
@@ -81,34 +83,34 @@ def test_means_and_peak_are_those_of_the_torques_at_each_instant(compiled, scene
         peak = max(peak, abs(many["output_torque"]))
     turned = means.pop("omega_out") * duration
     if scene.get("drive"):
-        means.pop("input_torque")  # it is that of the drive
+        means.pop("input_torque")  # it is the drive torque
     for name, mean in means.items():
-        assert one[f"{name}_mean"] == pytest.approx(mean, abs=2e-3 * largest), name
+        assert single[f"{name}_mean"] == pytest.approx(mean, abs=2e-3 * largest), name
     # the mean motion is integrated to 1e-4 of the largest speed
-    error = {"rel": 2e-3 if one["fidelity"] == 1 else 1e-3, "abs": 1e-5}
-    assert one["output_angle"] + TWO_PI * one["output_turns"] == pytest.approx(turned, **error)
-    assert one["output_flange_angle"] == pytest.approx(turned, **error)
-    assert one["loss_power_mean"] * duration == pytest.approx(one["energy_lost"], rel=1e-12)
-    if one["fidelity"] != 1:
-        ripple = max(0.0, squares - one["output_torque_mean"] ** 2) ** 0.5
-        assert one["torque_ripple"] == pytest.approx(ripple, rel=2e-3)
+    error = {"rel": 2e-3 if single["fidelity"] == 1 else 1e-3, "abs": 1e-5}
+    assert single["output_angle"] + TWO_PI * single["output_turns"] == pytest.approx(turned, **error)
+    assert single["output_flange_angle"] == pytest.approx(turned, **error)
+    assert single["loss_power_mean"] * duration == pytest.approx(single["energy_lost"], rel=1e-12)
+    if single["fidelity"] != 1:
+        ripple = max(0.0, squares - single["output_torque_mean"] ** 2) ** 0.5
+        assert single["torque_ripple"] == pytest.approx(ripple, rel=2e-3)
         # looked at in the stages of the steps alone
-        assert 0.95 * peak <= one["torque_peak"] <= 1.001 * peak
+        assert 0.95 * peak <= single["torque_peak"] <= 1.001 * peak
 
 
-def test_peak_of_a_pulse_is_not_that_of_the_step_beyond_its_end(compiled):
+def test_peak_of_a_pulse_excludes_the_time_after_its_end(compiled):
     for angle in (1.0, 1.8, 2.3):
         scene = SCENES["bevel"] | {"drive_angle_start": angle, "load_torque": 0.0, "tolerance": 1e-3}
-        one, many = (started(compiled, scene) for _ in range(2))
-        one.advance(0.01)
+        single, many = (started(compiled, scene) for _ in range(2))
+        single.advance(0.01)
         peak = 0.0
         for _ in range(200):
             many.advance(5e-5)
             peak = max(peak, abs(many["output_torque"]))
-        assert 0.95 * peak <= one["torque_peak"] <= 1.05 * peak
+        assert 0.95 * peak <= single["torque_peak"] <= 1.05 * peak
 
 
-def test_input_goes_on_as_over_the_last_step_where_it_is_held_so(compiled, scene):
+def test_linear_input_hold_extrapolates_the_last_step(compiled, scene):
     module = advanced(started(compiled, scene, input_hold=1, omega1=90.0), 0.02)
     advanced(module, 0.01, omega1=93.0)
     assert module["input_speed"] == pytest.approx(93.0 + 3.0 * 0.01 / 0.02, rel=1e-14)

@@ -1,6 +1,6 @@
-"""Losses by load, drag and wind-up, friction, gravity: known limits, accounts, values that are refused.
+"""Test losses, drag, wind-up, friction and gravity: limiting cases, energies, rejected values.
 
-Their motion is held to the reference in test_reference.py, their invariants in test_motions.py.
+test_reference.py compares the motion with the reference, and test_motions.py tests invariants.
 """
 
 from itertools import product
@@ -35,9 +35,9 @@ def test_locked_up_machine_with_friction_stays_so(compiled, drive):
 
 
 @pytest.mark.parametrize("ratio", [0.4, 1.3, -0.3])
-def test_prescribed_motion_is_that_with_a_shaft_that_nothing_slows(compiled, scene, ratio):
+def test_kinematic_motion_agrees_with_a_shaft_of_huge_inertia(compiled, scene, ratio):
     """The rigid module, which the reference judges, behind an output of great inertia, without freewheels."""
-    # what rubs on the shaft is the load's
+    # friction of the shaft belongs to the load
     more = {"windage": 1e-4, "satellites": 1, "output_friction": 0.0, **scenes.FREEWHEELS["no freewheel"]}
     values, speed = scene | scenes.ALL_LOSSES | scenes.GEARS | more, ratio * scene["omega1"]
     prescribed = started(compiled, values, fidelity=0, kinematic_ratio=ratio)
@@ -69,7 +69,7 @@ def test_ramp_from_rest_breaks_friction_loose(compiled, losses, load):
 
 
 @pytest.mark.parametrize("wheel", ["housing", "freewheel"])
-def test_wound_up_freewheel_never_pulls_whatever_its_stiffness_and_damping(compiled, scene, wheel):
+def test_compliant_freewheel_never_pulls(compiled, scene, wheel):
     for stiffness, damping in product((1e3, 1e5, 1e7, 1e8), (0.0, 1.0, 1e2, 1e4)):
         spring, speeds = {f"{wheel}_stiffness": stiffness, f"{wheel}_damping": damping}, []
         for tolerance in (1e-3, 1e-6, 1e-9):
@@ -83,7 +83,7 @@ def test_wound_up_freewheel_never_pulls_whatever_its_stiffness_and_damping(compi
         assert speeds[:2] == pytest.approx([speeds[2]] * 2, abs=2e-3 * scene["omega1"]), (stiffness, damping)
 
 
-# what has no place where a freewheel is missing
+# outputs without meaning if a freewheel is missing
 NOT_THERE = {
     "housing_freewheel": ("housing_drag", "housing_drag_viscous", "housing_stiffness", "housing_damping"),
     "output_freewheel": (
@@ -95,7 +95,7 @@ NOT_THERE = {
 
 @motions(levels=("rigid", "elastic"), added=("ideal", "losses"))
 @pytest.mark.parametrize("value", [1e-3, 1e6])
-def test_what_has_no_place_has_no_meaning(compiled, scene, value):
+def test_outputs_without_meaning_are_not_modelled(compiled, scene, value):
     """Damping without a spring, and all of a freewheel that is not there: at the start, tuned, restored."""
     names = ["housing_damping", "freewheel_damping"]
     for freewheel, others in NOT_THERE.items():
@@ -110,7 +110,7 @@ def test_what_has_no_place_has_no_meaning(compiled, scene, value):
         first = advanced(started(compiled, scene, here, scenes.LOSSES["mesh"]), *[5e-4] * 20)
         second = Module(compiled)
         second.restore(first.save())
-        # friction changes as well, for what is tuned ends the step in any case
+        # friction changes too, because a tuned parameter ends the step
         tuned = {name: later[name] for name in names if BY_NAME[name].is_tunable}
         advanced(second, *[5e-4] * 20, output_friction=1e-3, **tuned)
         ends.append([*first.state.numbers, *second.state.numbers])
@@ -129,7 +129,7 @@ def test_jump_after_many_short_steps_of_a_freewheel_at_its_limit(compiled):
         assert module["omega2"] >= 0.0
         return advanced(module, 0.0075385, omega1=30.945, load_torque=-0.14931)
 
-    # a ten-thousandth of what the tolerance allows
+    # 1e-4 of the tolerance
     assert run(7)["omega_hub"] == pytest.approx(run(1)["omega_hub"], rel=1e-6, abs=1e-8)
 
 
@@ -155,12 +155,12 @@ def test_meshes_jam_as_at_all_angles_of_the_period(drive, z6, monkeypatch):
     monkeypatch.setattr(satellites, "ANGLES_PER_CYCLE", 32)
     scene = {"a": 1.4, "b": 0.7, "z17": 31, "z6": z6, "satellite_mesh_efficiency": 0.3}
     d = started("plain", scene, drive=drive, input_inertia=10.0, link2_inertia=10.0).derived
-    found = []
+    results = []
     for exponent in range(-12, 3):
         d.J1 = d.J2 = 10.0 ** (0.5 * exponent)
         whole = satellites.is_self_locking_within(
             d, d.period, satellites.ANGLES_PER_CYCLE * d.harmonic * d.period_turns
         )
-        found.append(satellites.is_self_locking(d))
-        assert found[-1] == whole
-    assert {True, False} == set(found)
+        results.append(satellites.is_self_locking(d))
+        assert results[-1] == whole
+    assert {True, False} == set(results)

@@ -31,7 +31,7 @@ def rates(motion, change1=0.0, change3=0.0, regime=mean_motion.SLIPPING):
     return d.mean
 
 
-def test_mean_power_goes_to_the_output_or_into_the_energy_or_is_lost(motion):
+def test_mean_power_is_output_power_plus_stored_and_lost_power(motion):
     d, side, x = motion
     m = rates(motion)
     rate1, rate3, drive, output, lost = m.omega1, m.omega3, m.drive, m.output, sum(m.lost)
@@ -50,7 +50,7 @@ def test_mean_power_goes_to_the_output_or_into_the_energy_or_is_lost(motion):
 
 
 def changes(motion, h, parts):
-    """Changes of both speeds over h, in so many steps."""
+    """Return the changes of both speeds over h, in several steps."""
     d, side, x = motion
     w = record_type(fields.WORKSPACE)()
     start = x.omega1, x.omega3
@@ -87,7 +87,7 @@ def test_stiff_linear_rate_is_damped(stiffness):
     assert abs(factor) < 10.0 / stiffness + 1e-6
 
 
-def test_a_regime_ends_where_its_indicator_is_zero(compiled):
+def test_regime_ends_at_the_zero_of_its_indicator(compiled):
     module = started(compiled, PLANAR, fidelity=1, omega1=100.0, omega_out_start=120.0, load_torque=2.0)
     # coasts without torque until it meets link 1
     time = 20.0 * PLANAR["output_inertia"] / 2.0
@@ -104,6 +104,6 @@ def test_mean_acceleration_of_link_2_is_the_rate_of_its_speed(motion):
     rate1, rate3 = m.omega1, m.omega3
     x.mode = 2.0
     y = started("plain").outputs
-    found = mean_motion.write_averaged(d, x, y)
-    assert_rates(found, lambda t: rates(motion, rate1 * t, rate3 * t).theta2, rel=1e-4, share=1e-4)
+    accelerations = mean_motion.write_averaged(d, x, y)
+    assert_rates(accelerations, lambda t: rates(motion, rate1 * t, rate3 * t).theta2, rel=1e-4, share=1e-4)
     assert math.isfinite(y.housing_torque)

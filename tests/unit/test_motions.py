@@ -80,29 +80,29 @@ def test_energies_balance_and_freewheels_only_push(compiled, scene):
 
 
 @motions()
-def test_many_steps_are_one(compiled, scene):
+def test_many_steps_equal_a_single_step(compiled, scene):
     """Steps of a ramp: angles, speeds, energies, switches, and means by their sums."""
     ramp = {"omega1": 0.0 if scene.get("drive") else 300.0}
-    one, many = (started(compiled, scene, tolerance=1e-10) for _ in range(2))
-    one.set_rates(**ramp)
-    one.advance(0.05)
+    single, many = (started(compiled, scene, tolerance=1e-10) for _ in range(2))
+    single.set_rates(**ramp)
+    single.advance(0.05)
     sums = dict.fromkeys(MEANS[:4], 0.0)
     for _ in range(50):
         many.set_rates(**ramp)
         many.advance(1e-3)
         many.set(omega1=many["omega1"] + 1e-3 * ramp["omega1"])
         sums = {name: value + many[name] / 50 for name, value in sums.items()}
-    within = 3e-7 if one["fidelity"] >= codes.RIGID else 1e-3
+    within = 3e-7 if single["fidelity"] >= codes.RIGID else 1e-3
     for name in (*MOTION, "omega_hub", "shaft_twist", *ACCOUNTS):
-        assert many[name] == pytest.approx(one[name], rel=within, abs=within * passed(one)), name
-    assert many["contact_switches"] == one["contact_switches"]
-    largest = max(abs(one[name]) for name in sums)
+        assert many[name] == pytest.approx(single[name], rel=within, abs=within * passed(single)), name
+    assert many["contact_switches"] == single["contact_switches"]
+    largest = max(abs(single[name]) for name in sums)
     for name, mean in sums.items():
-        assert mean == pytest.approx(one[name], abs=100.0 * within * largest), name
+        assert mean == pytest.approx(single[name], abs=100.0 * within * largest), name
 
 
 @motions()
-def test_a_saved_state_runs_on_to_the_same_bits_also_one_from_before_the_start(compiled, scene):
+def test_run_from_a_saved_state_has_the_same_bits(compiled, scene):
     module = advanced(started(compiled, scene), 0.01, 0.003)
     other = Module(compiled)
     other.set(**scene)
@@ -118,7 +118,7 @@ def test_a_saved_state_runs_on_to_the_same_bits_also_one_from_before_the_start(c
     assert other.start().save() == started(compiled, scene).save()
 
 
-def test_what_is_no_state_is_refused_and_changes_nothing(compiled):
+def test_invalid_state_is_rejected_without_effect(compiled):
     module = advanced(started(compiled), 0.01)
     saved = module.save()
     damaged = {
@@ -135,7 +135,7 @@ def test_what_is_no_state_is_refused_and_changes_nothing(compiled):
 
 
 @motions(added=("ideal", "losses"))
-def test_a_step_without_late_outputs_and_those_afterwards_are_a_whole_step(compiled, scene):
+def test_outputs_evaluated_after_a_step_equal_a_whole_step(compiled, scene):
     whole, parts = (started(compiled, scene) for _ in range(2))
     advanced(whole, 0.01, 0.01)
     late = [variable.name for variable in parts.model.variables if variable.late]
@@ -174,26 +174,28 @@ def test_error_follows_the_tolerance(compiled, scene):
 
 
 @motions(levels=("averaged", "rigid", "elastic"), added=("ideal",))
-def test_one_input_alone_counts_and_its_work_is_torque_times_angle(compiled, scene):
+def test_only_the_selected_drive_input_does_work(compiled, scene):
     """The torque given to link 1, where the drive is by torque, not its speed; else the other way round."""
-    one, other = (advanced(started(compiled, scene), 0.01) for _ in range(2))
+    first, second = (advanced(started(compiled, scene), 0.01) for _ in range(2))
     if scene.get("drive"):
-        other.set(omega1=-3.0)
-        other.set_rates(omega1=1e4)
+        second.set(omega1=-3.0)
+        second.set_rates(omega1=1e4)
     else:
-        other.set(drive_torque=-1e6)
-        other.set_rates(drive_torque=1e5)
-    for module in (one, other):
+        second.set(drive_torque=-1e6)
+        second.set_rates(drive_torque=1e5)
+    for module in (first, second):
         advanced(module, 0.02)
-    assert bytes(one.outputs) == bytes(other.outputs)
+    assert bytes(first.outputs) == bytes(second.outputs)
     if scene.get("drive"):
-        assert bytes(one.state) == bytes(other.state)
+        assert bytes(first.state) == bytes(second.state)
         for step in (1e-3, 0.01, 0.03):
-            one.advance(step)
-            assert one["input_torque_mean"] == pytest.approx(one["drive_torque"], rel=1e-14)
-        assert one["energy_in"] == pytest.approx(one["drive_torque"] * scenes.input_angle(one), rel=1e-12)
+            first.advance(step)
+            assert first["input_torque_mean"] == pytest.approx(first["drive_torque"], rel=1e-14)
+        assert first["energy_in"] == pytest.approx(
+            first["drive_torque"] * scenes.input_angle(first), rel=1e-12
+        )
     else:
-        assert one["input_speed"] == one["omega1"]
+        assert first["input_speed"] == first["omega1"]
 
 
 @pytest.mark.parametrize("layout", scenes.DRIVEN)
@@ -206,7 +208,7 @@ def test_torque_with_a_rate_counts_by_its_mean_over_the_step(compiled, layout):
     assert bytes(ramp.outputs) == bytes(mean.outputs)
 
 
-# --- very long runs and many tiny steps lose no more than the documentation says ---
+# --- losses of accuracy in very long runs and many tiny steps ---
 
 
 # the residual over the largest energy: tolerances at once, and for each turn of link 1 and of the drives
@@ -240,7 +242,7 @@ def test_residual_of_long_runs_grows_with_the_turns_and_no_faster(compiled, kind
 
 
 @motions(levels=[level for level in LEVELS if level != "averaged"], added=("ideal", "losses"), missing=())
-def test_means_of_a_last_step_of_next_to_nothing_are_torques_there(compiled, scene):
+def test_means_of_a_tiny_last_step_are_instantaneous_torques(compiled, scene):
     for before in (0.05, 0.0037):
         module = advanced(started(compiled, scene), before)
         for step, missing in ((1e-13, 1e-9), (1e-16, 1e-9), (1e-30, 1e-9)):
@@ -255,12 +257,12 @@ def test_means_of_a_last_step_of_next_to_nothing_are_torques_there(compiled, sce
 
 
 ALIKE = {"contact_mode", "contact_switches", "rhs_evaluations", "drive_turns", "input_turns"}
-# maps of fidelity averaged take minutes in plain Python, but for the planar layout by its speed
+# maps of fidelity averaged take minutes in plain Python, except speed-driven planar ones
 QUICK = [level for level in LEVELS if level != "averaged"]
 
 
 def assert_same(plain, fast):
-    """That all values are the same to rounding, energies to that of the largest, and counters as they are."""
+    """Check that values are equal to rounding, energies to rounding of the largest, and counters exactly."""
     assert {name: fast[name] for name in ALIKE & plain.keys()} == {
         name: plain[name] for name in ALIKE & plain.keys()
     }

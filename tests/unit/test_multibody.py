@@ -45,10 +45,10 @@ class Multibody:
         self.gear = np.array([turns.get(name.split()[0], 0.0) for name in self.names])
 
     def prescribe(self, q, theta1, omega1, alpha1, omega2, alpha2):
-        """Inverse dynamics of a motion of links 1 and 2: (M1, M2).
+        """Return (M1, M2) by inverse dynamics of a motion of links 1 and 2.
 
-        With dq = k (dtheta1 - dtheta2) the virtual work of the hinge torques is that of M1 on link 1
-        and of the outer torque on link 2, and J2 alpha2 is the outer torque and that of the mesh.
+        With dq = k (dtheta1 - dtheta2) the virtual work of the hinge torques equals the work of M1 on link 1
+        and of the external torque on link 2. J2 alpha2 is the sum of external torque and mesh torque.
         """
         k, data = ratio(self.p), self.data
         data.qpos[:] = self.link1 * theta1 + self.gear * q
@@ -77,9 +77,9 @@ class Multibody:
             ("link 2", self.p["link2_inertia"], self.link2),
         ):
             body = self.model.joint(name).bodyid[0]
-            torque, given = np.split(self.data.cfrc_int[body], 2)
-            force -= given
-            moment -= torque + np.cross(self.data.subtree_com[body], given)
+            torque, values = np.split(self.data.cfrc_int[body], 2)
+            force -= values
+            moment -= torque + np.cross(self.data.subtree_com[body], values)
             moment[0] += inertia * (hinge @ self.data.qacc)
         return force, moment
 
@@ -104,7 +104,7 @@ def largest(values):
 
 @pytest.fixture(params=itertools.product(LAYOUTS, (1, 2, 3), (1, 2)), ids=str)
 def multibodies(request):
-    """A layout with so many satellites and modules, with each of the own inertias."""
+    """Return a layout with numbers of satellites and modules, and all inertias."""
     layout, satellites, modules = request.param
     links = {"imbalance_mass": 0.8, "input_inertia": 0.02, "link2_inertia": 0.006}
     many = {"satellites": satellites, "modules": modules}
@@ -120,14 +120,14 @@ def torques(module, q, omega1, alpha1, omega2, alpha2):
     return m.drive, m.mesh
 
 
-def test_torques_imbalance_mount_and_energy_are_those_of_the_multibody_engine(multibodies):
+def test_torques_forces_and_energy_agree_with_the_multibody_engine(multibodies):
     for multibody in multibodies:
         p, module, k = multibody.p, started("plain", multibody.p), ratio(multibody.p)
-        d, found, expected = module.derived, [], []
+        d, actual, expected = module.derived, [], []
         for q, theta1, omega1, alpha1, omega2, alpha2 in states(20, 2020):
             motion = {"q": q, "theta1": theta1, "omega1": omega1, "alpha1": alpha1, "omega2": omega2}
             expected.append(multibody.prescribe(**motion, alpha2=alpha2))
-            found.append(torques(module, q, omega1, alpha1, omega2, alpha2))
+            actual.append(torques(module, q, omega1, alpha1, omega2, alpha2))
             assert kinetic_energy(d, q, omega1, omega2, 0.0) == pytest.approx(multibody.energy(), rel=1e-8)
             moved = imbalance_motion(
                 d, q, theta1, omega1, alpha1, k * (omega1 - omega2), k * (alpha1 - alpha2), 0.0
@@ -141,12 +141,12 @@ def test_torques_imbalance_mount_and_energy_are_those_of_the_multibody_engine(mu
             for name, right in zip(("force", "moment"), multibody.on_the_mount(), strict=True):
                 scale = max(scale, largest(right))
                 assert largest(vector(module, f"shaking_{name}") - right) < 1e-8 * scale
-        assert largest(np.array(found) - expected) < 1e-8 * largest(expected)
+        assert largest(np.array(actual) - expected) < 1e-8 * largest(expected)
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
 @pytest.mark.parametrize("satellites, modules", [(1, 1), (2, 1), (3, 2)])
-def test_links_with_losses_accelerate_as_inverse_dynamics_says(layout, satellites, modules):
+def test_accelerations_with_losses_agree_with_inverse_dynamics(layout, satellites, modules):
     p = {"drive_inertia": 0.004, "satellite_inertia": 5e-4, "satellite_transverse_inertia": 4e-4}
     p |= {"input_inertia": 0.02, "link2_inertia": 0.006, "output_inertia": 0.03, "gravity": 9.81, "drive": 1}
     p |= {"input_friction": 0.3, "drive_friction": 0.2, "link2_friction": 0.1}
@@ -165,8 +165,8 @@ def test_links_with_losses_accelerate_as_inverse_dynamics_says(layout, satellite
     for q, theta1, omega1, alpha1, omega2, alpha2 in states(20, 7):
         ahead = abs(omega2)  # the freewheel to the housing overruns
         m1, m2 = multibody.prescribe(q, theta1, omega1, alpha1, ahead, alpha2)
-        # what is left of the mesh torque, friction taken off, turns link 2 and the shaft behind it
+        # the mesh torque minus friction accelerates link 2 and the shaft
         machine.torque, machine.load = m1, m2 - (p["link2_inertia"] + p["output_inertia"]) * alpha2
         y[Q], y[THETA1], y[OMEGA1 : OMEGA1 + 4] = q, theta1, (omega1, ahead, ahead, ahead)
-        found = machine.forces(y, (OPEN, CLOSED, 1, 1, *[1] * satellites)).x
-        assert found[[A1, A2, A3]] == pytest.approx([alpha1, alpha2, alpha2], rel=1e-8, abs=3e-5)
+        solution = machine.forces(y, (OPEN, CLOSED, 1, 1, *[1] * satellites)).x
+        assert solution[[A1, A2, A3]] == pytest.approx([alpha1, alpha2, alpha2], rel=1e-8, abs=3e-5)

@@ -1,4 +1,4 @@
-"""The papers set up as scenes: what runs is what their exact forms say. And scenes of a shaft alone."""
+"""Test scenes of the papers against the exact forms, and scenes of a shaft alone."""
 
 import math
 from dataclasses import astuple
@@ -33,18 +33,18 @@ def test_karetins_modes_move_the_imbalance_as_the_exact_form(built, name, i, sha
     scene = load_scene(PAPERS / f"{name}.toml").replaced(mechanism=shape)
     result = run_scene(scene, built / "InertiaModule.fmu")
     table = result.table
-    found = exact(Geometry(**{"z17": 40, "z6": 20, **shape}), dynamic_mode(100.0, i), table.time)
+    forms = exact(Geometry(**{"z17": 40, "z6": 20, **shape}), dynamic_mode(100.0, i), table.time)
     for column, expected in (
-        ("imbalance", found.position),
-        ("imbalance_velocity", found.velocity),
-        ("imbalance_acceleration", found.acceleration),
+        ("imbalance", forms.position),
+        ("imbalance_velocity", forms.velocity),
+        ("imbalance_acceleration", forms.acceleration),
     ):
         there = np.array([table[f"{column}_{axis}"] for axis in "xyz"])
         assert np.abs(there - expected).max() < 1e-10 * np.abs(expected).max()
     scene_figure(result)
 
 
-def test_lysenkos_wheel_left_to_itself_swings_in_speed_and_keeps_its_energy(built):
+def test_free_wheel_of_lysenko_oscillates_at_constant_energy(built):
     scene = load_scene(PAPERS / "lysenko_wheel.toml")
     values = scene.parameters()
     lengths = "sun_radius", "satellite_radius", "eccentricity"
@@ -53,7 +53,7 @@ def test_lysenkos_wheel_left_to_itself_swings_in_speed_and_keeps_its_energy(buil
     table = run_scene(scene, built / "InertiaModule.fmu").table
     speed, energy = table["input_speed"], table["energy_stored"]
     assert np.ptp(energy) < 1e-9 * energy[0]
-    # rows are 1 ms apart, so the slowest is met closely and the fastest is that of the start
+    # rows are 1 ms apart, so the minimum speed is close to a row and the maximum is the start
     assert speed[0] / speed.min() == pytest.approx(lysenko_at(EXAMPLE, 0.0).speed_ratio, rel=1e-4)
 
 
@@ -61,12 +61,12 @@ def test_stelmashchuks_scene_gives_his_motion(built):
     scene = load_any_scene(SHAFT)
     table = run_shaft_scene(scene, built / "DrivenShaft.fmu").table
     T, angle = scene.drive.T, scene.drive.angle
-    found = response(table.time / T, Criteria(8.0, 0.5), 1.0)
-    assert table["omega_out"] * T / angle == pytest.approx(found.velocity, abs=1e-4)
-    assert table["twist"] / angle == pytest.approx(-found.twist, abs=1e-4)
+    motion = response(table.time / T, Criteria(8.0, 0.5), 1.0)
+    assert table["omega_out"] * T / angle == pytest.approx(motion.velocity, abs=1e-4)
+    assert table["twist"] / angle == pytest.approx(-motion.twist, abs=1e-4)
     # the balancer pushes with the slope of the step before: 3/2 of a step late, of a wave of 4 pi^2
     late = 1.5 * 4.0 * math.pi**2 * scene.run.communication_step / T
-    assert table["driven_acceleration"] * T**2 / angle == pytest.approx(found.acceleration, abs=1.01 * late)
+    assert table["driven_acceleration"] * T**2 / angle == pytest.approx(motion.acceleration, abs=1.01 * late)
 
 
 # --- a shaft alone ---
@@ -80,21 +80,21 @@ def test_hub_by_table_with_a_load(built):
     result = run_shaft_scene(load_any_scene(SHAFT, keys), built / "DrivenShaft.fmu")
     assert result.table.names == ["time", "hub_speed", "load_torque", "twist"]
     assert result.table["hub_speed"][-1] == pytest.approx(2.0 * math.pi)
-    # in the end the shaft carries the load and what speeds the mass up
+    # at the end the shaft transmits the load and the torque that accelerates the mass
     torque = 2.0 + 0.2 * 2.0 * math.pi
     assert result.record["shaft_torque"][-1] == pytest.approx(torque, rel=0.02)
     assert result.summary["energy_residual_relative"] < 1e-12
 
 
 @pytest.mark.parametrize("key, value, line", REFUSED["shaft_scenes"])
-def test_one_line_says_what_is_wrong(key, value, line):
+def test_error_is_a_line(key, value, line):
     assert_refused(f"^{SHAFT.name}: {line}", load_any_scene, SHAFT, {key: value})
 
 
-def test_a_scene_of_a_shaft_is_none_of_the_module():
+def test_shaft_scene_is_not_a_module_scene():
     assert_refused(r"unknown key 'shaft'; available: title, ", load_scene, SHAFT)
-    told = "error: --fidelity, --error and --view require a scene of the module"
-    is_one_line(command("run", SHAFT, "--fidelity", "rigid"), told)
+    message = "error: --fidelity, --error and --view require a scene of the module"
+    is_one_line(command("run", SHAFT, "--fidelity", "rigid"), message)
 
 
 def test_command_runs_a_shaft(built, tmp_path):

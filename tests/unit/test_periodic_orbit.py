@@ -107,7 +107,7 @@ def test_by_torque_a_period_keeps_its_energy_and_has_the_mean_input_speed(omega1
 
 
 @pytest.mark.parametrize("ratio", [0.2, 0.5])
-def test_link_2_that_never_rests_ends_a_period_as_it_began(ratio):
+def test_period_without_rest_of_link_2_is_closed(ratio):
     values = mechanism(FOUND["heavy_link_2"]) | {"mesh_efficiency": 0.938}
     module = started("plain", values)
     d, w, x = module.derived, module._records[5], module.state
@@ -118,6 +118,6 @@ def test_link_2_that_never_rests_ends_a_period_as_it_began(ratio):
     assert 0.0 < x.begin_omega2 < 20.0 * ratio
 
 
-def test_a_rejected_parameter_leaves_no_orbit():
+def test_rejected_parameter_removes_the_orbit():
     with pytest.raises(InertiaModuleError, match="omega_out_start"):
         orbit(PLANAR, 10.0, 0.5, output_freewheel=0)

@@ -20,7 +20,7 @@ def test_drag_of_one_freewheel_acts_while_the_other_turns_back(compiled):
 
 @pytest.mark.parametrize("layout", SCENES)
 @pytest.mark.parametrize("more", [{}, LOSSES["mesh"] | LOSSES["housing_drag"] | LOSSES["output_drag"]])
-def test_averaged_torque_and_loss_are_those_of_the_pulses(compiled, layout, more):
+def test_averaged_torque_and_loss_agree_with_the_pulses(compiled, layout, more):
     """Behind a shaft too heavy to change its speed, up to where link 2 is thrown past link 1."""
     for angle in (0.002, 0.05):
         for ratio in (0.05, 0.4, 0.8):
@@ -37,8 +37,8 @@ def test_averaged_torque_and_loss_are_those_of_the_pulses(compiled, layout, more
             assert averaged["loss_power_mean"] == pytest.approx(lost, rel=0.04, abs=0.02 * lost + 1.0)
 
 
-def test_an_engagement_is_an_event_and_a_turn_within_the_play_is_none(compiled):
-    """Steps that end at a switch, as FMI 3.0 asks for: each is followed by another contact mode."""
+def test_engagement_is_an_event_but_a_reversal_within_the_engagement_angle_is_not(compiled):
+    """Make steps that end at a switch as in FMI 3.0; the contact mode changes after each."""
     module = started(compiled, SCENES["bevel"], PLAY)
     for number in range(60):
         assert module.call(codes.STEP_UNTIL_EVENT, 0.2) == codes.OK
@@ -49,7 +49,7 @@ def test_an_engagement_is_an_event_and_a_turn_within_the_play_is_none(compiled):
 
 
 def test_each_impact_is_an_engagement(compiled):
-    """In steps shorter than what lies between impacts each of them is a loss."""
+    """In steps shorter than the time between impacts, each impact is a loss."""
     module = started(compiled, SCENES["bevel"], PLAY)
     impacts = lost = 0.0
     for _ in range(5000):
@@ -60,7 +60,7 @@ def test_each_impact_is_an_engagement(compiled):
     assert module["housing_engagements"] + module["output_engagements"] == impacts
 
 
-def test_a_freewheel_that_its_drag_alone_holds_has_not_engaged(compiled):
+def test_freewheel_stopped_by_drag_has_not_engaged(compiled):
     module = advanced(started(compiled, SCENES["bevel"], PLAY, housing_drag=1e3, load_torque=0.0), 0.1)
     assert module["contact_mode"] in (codes.HELD, codes.HELD_DRIVING)
     assert module["housing_engagements"] == 0.0
@@ -78,7 +78,7 @@ PEAKS = (
 
 @pytest.mark.parametrize("added", [{}, PLAY, PLAY | LOSSES["output_drag"] | LOSSES["mesh"]])
 @pytest.mark.parametrize("layout", SCENES)
-def test_peaks_of_long_steps_are_those_of_short_ones(compiled, layout, added):
+def test_peaks_of_long_steps_agree_with_short_steps(compiled, layout, added):
     """Up to the moment before an impact, and between the stages of the solver."""
     long, short = (started(compiled, SCENES[layout], added, tolerance=1e-9) for _ in range(2))
     for _ in range(10):

@@ -29,7 +29,7 @@ NAMES = sorted(PUBLIC)
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_public_name_is_what_it_says_and_no_module_beside_it_is_taken_by_type_checkers_in_its_place(name):
+def test_public_names_resolve_to_their_objects_for_type_checkers(name):
     assert getattr(inertia_module, name).__name__ == name
     folder = Path(inertia_module.__file__).parent.joinpath(*PUBLIC[name].split("."))
     assert not (folder / f"{name}.py").exists()
@@ -65,7 +65,7 @@ def frozen_dataclasses():
 HOLDS_OTHERS = re.compile(r"Array|NDArray|Complex|dict|list|Mapping")
 
 
-def test_dataclasses_that_hold_arrays_dictionaries_or_lists_are_compared_by_content():
+def test_dataclasses_with_containers_are_compared_by_content():
     kinds = [*frozen_dataclasses()]
     for kind in kinds:
         if any(HOLDS_OTHERS.search(str(field.type)) for field in dataclasses.fields(kind)):
@@ -75,7 +75,7 @@ def test_dataclasses_that_hold_arrays_dictionaries_or_lists_are_compared_by_cont
     assert sum(issubclass(kind, ByContent) for kind in kinds) > 10
 
 
-def test_results_of_equal_content_are_equal_and_have_one_hash():
+def test_results_of_equal_content_are_equal_with_equal_hash():
     assert table() == table()
     assert table() != table().without({"M"})
     assert table() != Result(table().columns | {"M": table()["omega"]}, table().units)
@@ -115,7 +115,7 @@ def test_result_as_pandas_has_units_in_its_headings():
     assert frame["omega [rad/s]"].iloc[-1] == 3.0
 
 
-def test_result_plots_the_columns_asked_for():
+def test_result_plots_the_requested_columns():
     figure = table().plot("omega")
     assert [axis.get_ylabel() for axis in figure.axes] == ["rad/s"]
     assert len(table().plot().axes) == 2
@@ -133,7 +133,7 @@ def test_result_of_a_scene_is_a_table_too(tmp_path):
         found["omga"]
 
 
-def test_number_that_a_summary_has_not_is_told():
+def test_missing_number_of_a_summary_is_reported():
     remarks = {"time_to_50_kmh": "not reached (maximum 40 km/h)"}
     found = of_scene(quantities={"efficiency": Quantity(0.5, "")}, remarks=remarks)
     with pytest.raises(KeyError, match=r"^unknown metric .* 'eficiency'; did you mean 'efficiency'\?$"):
@@ -145,7 +145,7 @@ def test_number_that_a_summary_has_not_is_told():
 
 @pytest.mark.parametrize("name", ["omega_2", "Omega_out", "load torque", "torque", "imbalance", "xyz", ""])
 @pytest.mark.parametrize("ask", [Module("plain").__getitem__, lambda name: unknown("output", name, BY_NAME)])
-def test_unknown_name_is_told_the_nearest_and_never_all_there_are(name, ask):
+def test_unknown_name_suggests_similar_names_only(name, ask):
     try:
         said = str(ask(name))
     except InertiaModuleError as refusal:

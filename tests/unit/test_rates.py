@@ -1,8 +1,8 @@
-"""Every rate of the kernel against differences of what it is the rate of, at random states.
+"""Test every rate of the kernel with differences at random states.
 
-The rates decide whether a dip of a guard is looked for and which contact mode follows a tie: a wrong one
-costs steps, or shows in a rare motion alone. Those of fidelity averaged are in test_averaged_map.py,
-those of inertia in test_angles.py, motion of the imbalance in test_multibody.py.
+The rates determine whether a dip of an event indicator is searched, and the contact mode after a tie. A wrong
+rate costs steps, or has an effect only in rare motions. test_averaged_map.py tests rates of fidelity
+averaged, test_angles.py rates of the inertia, and test_multibody.py the motion of the imbalance.
 """
 
 import random
@@ -31,7 +31,7 @@ PHASE = 0.2
 
 @pytest.fixture(params=enumerate(product(LAYOUTS.values(), [{}, ENGINE])), ids=lambda _: "")
 def values(request):
-    """A mechanism with so many satellites, its speed or its torque given."""
+    """Return a mechanism with a number of satellites, speed- or torque-driven."""
     number, (mechanism, drive) = request.param
     inertias = {"drive_inertia": 0.002, "link2_inertia": 0.02, "output_inertia": 0.03, "driven_inertia": 0.05}
     inertias |= {"satellite_inertia": 0.004, "satellite_transverse_inertia": 0.003}
@@ -45,7 +45,7 @@ def chance(request):
 
 
 def random_motion(chance):
-    """(q, omega1, omega2, what is given, torque, its rate) with speeds of about 1 rad/s."""
+    """Return (q, omega1, omega2, input, torque, its rate) with speeds of about 1 rad/s."""
     return chance.uniform(-7.0, 7.0), *(chance.uniform(-2.0, 2.0) for _ in range(5))
 
 
@@ -82,7 +82,7 @@ def test_guards_in_an_explicit_step(values, chance, mode):
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_of_equals_the_mode_is_chosen_that_goes_on(chance, sign):
+def test_ties_keep_the_contact_mode(chance, sign):
     # link 1 at rest at an angle where F is none, and grows, or falls, as it begins to turn
     module = started("plain", SCENES["bevel"], omega1=0.0)
     d, x = module.derived, module.state

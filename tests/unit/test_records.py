@@ -14,7 +14,7 @@ from inertia_module.model import Module
 FIELDS = ("first", ("row", 3), ("inner", ("left", "right")), ("several", ("left", "right"), 2), "last")
 
 
-def test_fields_lie_in_one_row():
+def test_fields_are_contiguous():
     record = record_type(FIELDS)()
     record.row[1], record.inner.right, record.several[1].left = 1.0, 2.0, 3.0
     assert list(record.numbers) == [0.0, 0.0, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 3.0, 0.0, 0.0]

@@ -1,8 +1,8 @@
-"""The kernel's machine does what the independent reference says, case by case of one table.
+"""Test the kernel with the independent reference, for the cases of a table.
 
-Nothing of the kernel takes part in the reference (verification.reference: virtual work on its own geometry).
-Angles, speeds, energies, torques and their means are compared. Closed forms of losses are in test_losses.py,
-other equations for them in tests/studies/test_lysenko.py.
+The reference (verification.reference) shares no code with the kernel: it uses virtual work on its own
+geometry. The tests compare angles, speeds, energies, torques and their means. test_losses.py tests closed
+forms of losses, and tests/verification/test_lysenko.py other equations for them.
 """
 
 import tomllib
@@ -24,7 +24,7 @@ OUTPUTS = {"rigid": {}, "elastic": {**ELASTIC, "driven_friction": 0.03, "balance
 TABLE = tomllib.loads(Path(__file__).with_name("reference.toml").read_text(encoding="utf-8"))
 PARTS = scenes.PARTS | LOSSES | scenes.FREEWHEELS | TABLE["parts"] | {"losses": ALL_LOSSES}
 PARTS["springs"] = ELASTIC | ALL_LOSSES | {"housing_damping": 0.05}
-# impulses of the reference, and what has them as its mean over a step
+# impulses of the reference, and the outputs that are their means over a step
 IMPULSES = {
     "M1": "input_torque_mean",
     "M2": "mesh_torque_mean",
@@ -47,15 +47,15 @@ def expected(exact):
     }
 
 
-def held_to(found, exact, accuracy):
-    """All that differs: by name what is found and what is expected."""
-    wanted = expected(exact)
-    speed = max(1.0, abs(wanted["input_speed"]))
-    energy = max(1.0, *(abs(wanted[f"energy_{name}"]) for name in ("in", "out", "stored")))
+def held_to(module, exact, accuracy):
+    """Return differences by name: actual and expected value."""
+    values = expected(exact)
+    speed = max(1.0, abs(values["input_speed"]))
+    energy = max(1.0, *(abs(values[f"energy_{name}"]) for name in ("in", "out", "stored")))
     angles = {"drive_angle": scenes.drive_angle, "input_angle": scenes.input_angle}
     apart = {}
-    for name, value in wanted.items():
-        got = angles[name](found) if name in angles else found[name]
+    for name, value in values.items():
+        got = angles[name](module) if name in angles else module[name]
         scale = energy if name.startswith("energy") else speed if "omega" in name or "speed" in name else 1.0
         if not abs(got - value) <= accuracy * scale:
             apart[name] = got, value
@@ -63,7 +63,7 @@ def held_to(found, exact, accuracy):
 
 
 def cases():
-    """Rows of the table, in every layout, drive and output or where they say; and link 1 turned backwards."""
+    """Return the rows of the table for every layout, drive and output, and with link 1 turning backwards."""
     for name, places, parts, more in TABLE["rows"]:
         for place, layout, drive, output in product(places.split(" / "), SCENES, scenes.DRIVES, OUTPUTS):
             if set(place.split()) <= {layout, drive, output}:
@@ -87,41 +87,41 @@ IDEAL_CASES, GENERAL_CASES = (
 
 def assert_same_motion(kernel, values, parts=(0.01, 0.03)):
     """Angles, speeds, energies, torques and means at these times, or under (time, load)."""
-    found, exact = started(kernel, values, tolerance=1e-12), reference(values)
+    module, exact = started(kernel, values, tolerance=1e-12), reference(values)
     accuracy = 1e-8 if "housing_damping" in values else 1e-9
     before = exact.integrals()
     for part in parts:
         time, load = part if isinstance(part, tuple) else (part, values["load_torque"])
         step = time - exact.time
-        found.set(load_torque=load)
+        module.set(load_torque=load)
         exact.give(exact.machine.torque, load)
-        found.advance(step)
+        module.advance(step)
         exact.advance(time)
-        assert held_to(found, exact, accuracy) == {}, time
-        torques = [found[f"{name}_torque"] for name in ("input", "mesh", "output", "housing")]
+        assert held_to(module, exact, accuracy) == {}, time
+        torques = [module[f"{name}_torque"] for name in ("input", "mesh", "output", "housing")]
         largest = max(map(abs, exact.torques()))
         assert torques == pytest.approx(list(exact.torques()), rel=1e-6, abs=1e-6 * largest)
         after = exact.integrals()
         for impulse, mean in IMPULSES.items():
             gained = (after[impulse] - before[impulse]) / step
-            assert found[mean] == pytest.approx(gained, abs=1e-7 * largest), mean
+            assert module[mean] == pytest.approx(gained, abs=1e-7 * largest), mean
         before = after
-    lost = sum(found[f"energy_lost_{cause}"] for cause in CAUSES)
-    assert lost == pytest.approx(found["energy_lost"], rel=1e-12)
-    assert abs(found["energy_residual"]) < 1e-9 * max(found["energy_stored"], found["energy_in"])
+    lost = sum(module[f"energy_lost_{cause}"] for cause in CAUSES)
+    assert lost == pytest.approx(module["energy_lost"], rel=1e-12)
+    assert abs(module["energy_residual"]) < 1e-9 * max(module["energy_stored"], module["energy_in"])
 
 
 @pytest.mark.parametrize("values", IDEAL_CASES)
-def test_motion_is_that_of_the_reference(compiled, values):
+def test_motion_agrees_with_the_reference(compiled, values):
     assert_same_motion(compiled, values)
 
 
 @pytest.mark.parametrize("values", GENERAL_CASES)
-def test_motion_and_losses_are_those_of_the_reference(compiled, values):
+def test_motion_and_losses_agree_with_the_reference(compiled, values):
     assert_same_motion(compiled, values)
 
 
-def test_loads_that_change(compiled, scene):
+def test_changing_loads(compiled, scene):
     loads = [scene["load_torque"] * (1.0 if n % 4 < 2 else -0.5) for n in range(1, 7)]
     parts = [(0.01 * n, load) for n, load in enumerate(loads, 1)]
     assert_same_motion(compiled, {**scene, **ALL_LOSSES}, parts)
@@ -129,17 +129,17 @@ def test_loads_that_change(compiled, scene):
 
 @pytest.mark.parametrize("more", [PLAY, PLAY | ALL_LOSSES], ids=["ideal", "losses"])
 def test_jumps_of_the_input_speed_meet_freewheels_within_their_play(compiled, scene, more):
-    found, exact = started(compiled, scene, more, tolerance=1e-12), reference(scene | more)
+    module, exact = started(compiled, scene, more, tolerance=1e-12), reference(scene | more)
     for n, omega1 in enumerate((90.0, 150.0, 20.0, -80.0, -10.0, 70.0), 1):
         exact.turn(omega1)
         exact.advance(0.013 * n)
-        advanced(found, 0.013, omega1=omega1)
-        assert held_to(found, exact, 1e-9) == {}, omega1
-    assert found["energy_lost_freewheel"] > 1.0
+        advanced(module, 0.013, omega1=omega1)
+        assert held_to(module, exact, 1e-9) == {}, omega1
+    assert module["energy_lost_freewheel"] > 1.0
 
 
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-8])
-def test_impulse_of_the_input_is_that_of_the_momentum_though_it_does_no_work(compiled, tolerance):
+def test_input_impulse_equals_the_change_of_momentum(compiled, tolerance):
     lengths = {"layout": 1, "sun_radius": 0.085627, "satellite_radius": 0.36137, "eccentricity": 0.35929}
     values = {**lengths, "housing_freewheel": 0, "mesh_efficiency": 0.99, "tolerance": tolerance}
     load, duration = 2253.0, 0.331
@@ -149,36 +149,36 @@ def test_impulse_of_the_input_is_that_of_the_momentum_though_it_does_no_work(com
     d, omega2 = module.derived, module["omega2"]
     _, _, b, *_ = reduced_inertia(d, module.state.q)
     links = (d.J2 - d.k * b) * omega2
-    found = (module["input_torque_mean"] - load) * duration
-    assert found == pytest.approx(links + d.J3 * omega2, abs=10.0 * tolerance * d.J3 * abs(omega2))
+    impulse = (module["input_torque_mean"] - load) * duration
+    assert impulse == pytest.approx(links + d.J3 * omega2, abs=10.0 * tolerance * d.J3 * abs(omega2))
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
 def test_losses_of_several_satellites_follow_the_tolerance(compiled, tolerance):
     """Each change of the sign of one's torque is an event."""
     values = {"satellites": 5, "gamma": 3.8, "satellite_mesh_efficiency": 0.5, "omega1": 200.0}
-    found, exact = started(compiled, values, load_torque=6e4, tolerance=tolerance), reference(values)
+    result, exact = started(compiled, values, load_torque=6e4, tolerance=tolerance), reference(values)
     exact.give(0.0, 6e4)
-    for module in (found, exact):
+    for module in (result, exact):
         module.advance(1.2031e-3)
-    assert held_to(found, exact, 10.0 * tolerance) == {}
+    assert held_to(result, exact, 10.0 * tolerance) == {}
 
 
 @pytest.mark.parametrize("name", scenes.FOUND["kinked"])
-def test_accounts_are_held_to_the_tolerance_whatever_the_steps(compiled, name):
+def test_energy_balance_meets_the_tolerance_for_all_steps(compiled, name):
     load, omega1, slope, duration, text = scenes.FOUND["kinked"][name]
     values = scenes.mechanism(text)
     exact = reference({**values, "load_torque": load, "omega1": omega1})
     exact.turn(omega1, slope)
     exact.advance(duration)
     for tolerance, cuts in product((1e-6, 1e-9), ((1.0,), (0.013, 0.37, 0.41, 1.0))):
-        found, time = started(compiled, values, omega1=omega1, load_torque=load, tolerance=tolerance), 0.0
+        module, time = started(compiled, values, omega1=omega1, load_torque=load, tolerance=tolerance), 0.0
         for cut in cuts:
-            found.set(omega1=omega1 + slope * time)
-            found.set_rates(omega1=slope)
-            found.advance(cut * duration - time)
+            module.set(omega1=omega1 + slope * time)
+            module.set_rates(omega1=slope)
+            module.advance(cut * duration - time)
             time = cut * duration
-        assert held_to(found, exact, 3.0 * tolerance) == {}, (tolerance, cuts)
+        assert held_to(module, exact, 3.0 * tolerance) == {}, (tolerance, cuts)
 
 
 # --- a jump of the input speed is an impulse, shared out by the 2 x 2 complementarity problem ---
@@ -217,10 +217,10 @@ def test_speeds_and_impulses_after_a_jump_solve_the_complementarity_problem(
     driven = (0.01 + i) * change + b * slipped + mesh
     carried = module["output_inertia"] * (end3 - omega3)
     held = module["link2_inertia"] * (end2 - omega2) + carried - mesh
-    found = [module[name] for name in ("omega2", "omega_hub")]
-    found += [module[f"{name}_torque_mean"] * MOMENT for name in ("output", "input", "mesh", "housing")]
+    speeds = [module[name] for name in ("omega2", "omega_hub")]
+    speeds += [module[f"{name}_torque_mean"] * MOMENT for name in ("output", "input", "mesh", "housing")]
     expected = [end2, end3, carried, driven, mesh, held]
-    assert found == pytest.approx(expected, rel=1e-7, abs=1e-6)
+    assert speeds == pytest.approx(expected, rel=1e-7, abs=1e-6)
     # a speed is zero within rounding of the fastest one
     fastest = max(abs(omega1), abs(target), abs(omega2), abs(omega3))
     turnover = stored + abs(module["energy_in"]) + module["output_inertia"] * fastest**2
@@ -241,9 +241,11 @@ DURATION = 1.0
 def test_scenes_have_their_check_values(compiled, case):
     scene, part, tolerance, time = case["run"]
     module = advanced(started(compiled, SCENES[scene], scenes.PARTS.get(part, {}), tolerance=tolerance), time)
-    found = [scenes.drive_angle(module) if name == "drive_angle" else module[name] for name in case["values"]]
+    actual = [
+        scenes.drive_angle(module) if name == "drive_angle" else module[name] for name in case["values"]
+    ]
     wanted = np.array(list(case["values"].values()))
-    assert (np.abs(found - wanted) <= np.multiply(case["within"], np.abs(wanted))).all(), found
+    assert (np.abs(actual - wanted) <= np.multiply(case["within"], np.abs(wanted))).all(), actual
 
 
 def test_error_falls_in_proportion_to_tolerance_and_stays_within_three_in_any_steps(compiled, scene):
@@ -256,5 +258,5 @@ def test_error_falls_in_proportion_to_tolerance_and_stays_within_three_in_any_st
         errors = [abs(speed(tolerance, step) - exact) / exact for tolerance in TOLERANCES]
         slope, _ = np.polyfit(np.log(TOLERANCES), np.log(errors), 1)
         assert step < DURATION or 0.8 < slope < 1.35
-        for tolerance, found in zip(TOLERANCES, errors, strict=True):
-            assert found <= 3.0 * tolerance, step
+        for tolerance, error in zip(TOLERANCES, errors, strict=True):
+            assert error <= 3.0 * tolerance, step

@@ -1,4 +1,4 @@
-"""Bad numbers never get in: each is refused by name, with its value and what is allowed."""
+"""Test that invalid numbers are rejected with name, value and allowed range."""
 
 import math
 
@@ -27,19 +27,19 @@ def bad_values(variable):
 
 
 @pytest.mark.parametrize("instance_type", [Module, DrivenShaft])
-def test_parameter_out_of_its_range_is_refused_by_name_value_and_range(instance_type):
+def test_parameter_out_of_range_is_rejected_with_name_value_and_range(instance_type):
     for variable in instance_type.model.with_causality(PARAMETER):
         module = instance_type("plain")
         before = module.save()
         for value in bad_values(variable):
-            said = refusal(module.start, **{variable.name: value})
-            assert said == sentence(variable, value)
+            message = refusal(module.start, **{variable.name: value})
+            assert message == sentence(variable, value)
             assert module.save() == before, f"{variable.name} = {value} changes something"
         assert module.start().started, variable.name
 
 
 @pytest.mark.parametrize("instance_type", [Module, DrivenShaft])
-def test_input_out_of_its_range_is_refused_and_the_next_good_step_works(instance_type):
+def test_input_out_of_range_is_rejected_and_the_next_step_works(instance_type):
     inputs = list(instance_type.model.with_causality(variables.INPUT))
     module = advanced(instance_type("plain").start(**{inputs[0].name: 100.0}), 0.01)
     for variable in inputs:
@@ -50,7 +50,7 @@ def test_input_out_of_its_range_is_refused_and_the_next_good_step_works(instance
 
 
 @pytest.mark.parametrize("name", ["omega1", "load_torque", "drive_torque"])
-def test_kernel_itself_refuses_inputs_that_come_past_the_checks(compiled, name):
+def test_kernel_rejects_unchecked_inputs(compiled, name):
     engine = ENGINE if name == "drive_torque" else {}
     module = advanced(started(compiled, engine, omega1=100.0, load_torque=10.0), 0.01)
     good, good_value = module.save(), module[name]
@@ -67,7 +67,7 @@ def test_kernel_itself_refuses_inputs_that_come_past_the_checks(compiled, name):
         assert refusal(unstarted.start, **engine) == expected
 
 
-def test_bad_step_is_refused_and_the_next_good_one_works(compiled):
+def test_invalid_step_is_rejected_and_the_next_step_works(compiled):
     module = advanced(started(compiled, omega1=100.0), 0.01)
     for step in (0.0, -0.0, -1e-3, *NO_NUMBERS, 1.001e6, 1e300, 0.99e-30, 1e-300, 5e-324):
         expected = f"communication step must be between 1e-30 and 1e+06 s (got {step:.16g})"
@@ -76,51 +76,51 @@ def test_bad_step_is_refused_and_the_next_good_one_works(compiled):
 
 
 @pytest.mark.parametrize("name", ["omega1", "drive_torque"])
-def test_rate_that_makes_an_input_absurd_is_refused_with_its_unit(name):
+def test_too_large_rate_of_an_input_is_rejected_with_its_unit(name):
     variable = BY_NAME[name]
     module = started("plain", ENGINE, drive=int(name == "drive_torque"), **{name: 100.0})
     for rate in (1e16, math.nan, math.inf):
         module.set_rates(**{name: rate})
-        said = f"the rate of {name} must keep {name} {variable.allowed} over 0.01 s (got {rate:.16g}"
-        assert refusal(module.advance, 0.01) == f"{said} {variable.unit}/s from {name} = 100)"
+        message = f"the rate of {name} must keep {name} {variable.allowed} over 0.01 s (got {rate:.16g}"
+        assert refusal(module.advance, 0.01) == f"{message} {variable.unit}/s from {name} = 100)"
 
 
 def test_parameters_but_the_tunable_are_fixed_once_the_module_has_started():
     module = started("plain")
     for variable in with_causality(PARAMETER):
         if not variable.is_tunable:
-            said = refusal(module.set, **{variable.name: variable.start})
+            message = refusal(module.set, **{variable.name: variable.start})
             reason = f"is not tunable and must be set before start() (got {variable.start})"
-            assert said == f"{variable.name} {reason}"
+            assert message == f"{variable.name} {reason}"
 
 
-def test_what_a_module_cannot_do_before_its_start_is_refused_and_changes_nothing():
+def test_calls_before_the_start_are_rejected_without_effect():
     module = Module("plain")
     before = module.save()
     assert refusal(module.advance, 0.01) == "call start() before advance()"
     assert refusal(module.rates) == "call start() before rates()"
     for name in ("omega3", "Omega1", "", *(v.name for v in with_causality(OUTPUT, LOCAL))):
-        said = refusal(module.set, **{name: 1.0})
-        assert said.startswith(f"unknown parameter or input {name!r}; "), name
+        message = refusal(module.set, **{name: 1.0})
+        assert message.startswith(f"unknown parameter or input {name!r}; "), name
     # one bad value keeps all others out
-    said = refusal(module.set, omega1=3.0, modules=2, tolerance=7.0, satellites=3)
-    assert said == sentence(BY_NAME["tolerance"], 7.0)
+    message = refusal(module.set, omega1=3.0, modules=2, tolerance=7.0, satellites=3)
+    assert message == sentence(BY_NAME["tolerance"], 7.0)
     assert module.save() == before
     assert refusal(Module("fast").start) == "kernel must be auto, compiled or plain (got 'fast')"
 
 
-def test_combination_that_cannot_be_is_refused_by_name_value_and_what_is_allowed(compiled):
+def test_invalid_combination_is_rejected_with_name_value_and_range(compiled):
     for values, expected in REFUSED["combinations"]:
         module = Module(compiled)
-        said = refusal(module.start, **values)
-        assert expected in said, values
-        assert " must " in said, values
+        message = refusal(module.start, **values)
+        assert expected in message, values
+        assert " must " in message, values
         assert not module.started, values
         good = {name: BY_NAME[name].start for name in values}
         assert module.start(**good).started, values
 
 
-def test_combination_that_is_sound_runs(compiled):
+def test_valid_combination_runs(compiled):
     for values in REFUSED["sound"]:
         module = advanced(started(compiled, values, omega1=100.0, load_torque=1.0), 0.02, 0.02)
         assert abs(module["energy_residual"]) < 1e-5 * (1.0 + abs(module["energy_in"])), values

@@ -38,8 +38,8 @@ def test_explicit_pair_integrates_powers_up_to_its_order(pair, end, order):
     nodes = nodes_of(pair)
     for n in range(1, len(nodes)):
         for power in range(1 if n == 1 else 2):
-            found = tableau.weighted_sum(pair + n, n, powers(nodes, power))
-            assert found == pytest.approx(nodes[n] ** (power + 1), rel=1e-13)
+            integral = tableau.weighted_sum(pair + n, n, powers(nodes, power))
+            assert integral == pytest.approx(nodes[n] ** (power + 1), rel=1e-13)
     for power in range(order):
         assert tableau.weighted_sum(pair + end, end, powers(nodes, power)) == pytest.approx(1.0, abs=1e-13)
 
@@ -54,9 +54,11 @@ def test_explicit_pair_integrates_powers_up_to_its_order(pair, end, order):
     ids=["fifth", "third", "fourth"],
 )
 def test_error_sees_powers_from_its_order_on(row, pair, end, order):
-    found = [abs(tableau.weighted_sum(row, end, powers(nodes_of(pair), power))) for power in range(order + 1)]
-    assert max(found[:order]) < 1e-13
-    assert found[order] > 1e-5
+    errors = [
+        abs(tableau.weighted_sum(row, end, powers(nodes_of(pair), power))) for power in range(order + 1)
+    ]
+    assert max(errors[:order]) < 1e-13
+    assert errors[order] > 1e-5
 
 
 @pytest.mark.parametrize("power", range(7))

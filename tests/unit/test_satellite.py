@@ -1,4 +1,4 @@
-"""A satellite by its sizes and materials: what MuJoCo finds of its shapes; refusals."""
+"""Test satellites by sizes and materials against MuJoCo, and rejections."""
 
 import math
 
@@ -38,15 +38,15 @@ def half_disc(radius, thickness, place, density, segments=720):
 
 
 @pytest.mark.parametrize("layout", ["planar", "bevel"])
-def test_a_satellite_by_its_sizes_has_the_inertia_that_mujoco_finds_of_its_shapes(layout):
+def test_inertia_of_satellite_shapes_agrees_with_mujoco(layout):
     mujoco = pytest.importorskip("mujoco")
     pitch, width, radius, thickness = 0.03, 0.012, 0.025, 0.02
     sizes = {"width": width, "weight_radius": radius, "weight_width": thickness}
     satellite = Satellite(**sizes, material="aluminium", weight_material="brass")
-    given = {"layout": 1.0, "satellite_radius": pitch}
+    gears = {"layout": 1.0, "satellite_radius": pitch}
     if layout == "bevel":
-        given = {"layout": 0.0, "wheel_radius": pitch * 1.7, "z17": 34.0, "z6": 20.0}
-    found = satellite.parameters(given)
+        gears = {"layout": 0.0, "wheel_radius": pitch * 1.7, "z17": 34.0, "z6": 20.0}
+    result = satellite.parameters(gears)
     places = [side * 0.5 * (width + 0.5 * thickness) for side in (-1.0, 1.0)]
     halves = [half_disc(radius, 0.5 * thickness, place, 8500.0) for place in places]
     gear = f'<geom type="cylinder" size="{pitch!r} {0.5 * width!r}" density="2700"/>'
@@ -57,19 +57,19 @@ def test_a_satellite_by_its_sizes_has_the_inertia_that_mujoco_finds_of_its_shape
     turn = np.empty(9)
     mujoco.mju_quat2Mat(turn, model.body_iquat[1])
     inertia = np.diag(turn.reshape(3, 3) @ np.diag(model.body_inertia[1]) @ turn.reshape(3, 3).T)
-    offset = found["a"] * pitch if layout == "bevel" else found["eccentricity"]
+    offset = result["a"] * pitch if layout == "bevel" else result["eccentricity"]
     # half a polygon of 1,440 sides is smaller than half a disc by 3e-6 of it
-    assert model.body_mass[1] == pytest.approx(found["imbalance_mass"], rel=1e-5)
+    assert model.body_mass[1] == pytest.approx(result["imbalance_mass"], rel=1e-5)
     assert model.body_ipos[1] == pytest.approx([offset, 0.0, 0.0], rel=1e-5, abs=1e-9)
-    assert inertia[2] == pytest.approx(found["satellite_inertia"], rel=1e-5)
+    assert inertia[2] == pytest.approx(result["satellite_inertia"], rel=1e-5)
     if layout == "bevel":
-        assert np.mean(inertia[:2]) == pytest.approx(found["satellite_transverse_inertia"], rel=1e-5)
+        assert np.mean(inertia[:2]) == pytest.approx(result["satellite_transverse_inertia"], rel=1e-5)
         # which is all that the module leaves out
-        swing = found["imbalance_mass"] * offset**2
+        swing = result["imbalance_mass"] * offset**2
         assert abs(inertia[1] - inertia[0]) == pytest.approx(swing, rel=1e-4)
 
 
-def test_parameters_that_follow_are_ordinary_ones_and_written_as_sizes(tmp_path):
+def test_derived_parameters_are_written_as_sizes(tmp_path):
     pytest.importorskip("tomli_w")
     scene = of_sizes(PLANAR)
     followed = scene.following
@@ -96,5 +96,5 @@ def test_parameters_that_follow_are_ordinary_ones_and_written_as_sizes(tmp_path)
     "key, value, sentence",
     [*REFUSED["satellites"], ("satellite.width", None, "^missing key 'mechanism.satellite.width'$")],
 )
-def test_what_contradicts_a_body_is_refused_in_a_sentence(key, value, sentence):
+def test_contradiction_to_satellite_sizes_is_rejected_in_a_sentence(key, value, sentence):
     assert_refused(sentence, of_sizes(PLANAR).with_keys, {f"mechanism.{key}": value})

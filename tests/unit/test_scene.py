@@ -52,7 +52,7 @@ UNFIT = ["3 rad/s", "3 furlong", "m", True, None, "1e999 m", math.inf, "nan", [1
 
 
 @pytest.mark.parametrize(("value", "unit"), [*((value, "m") for value in UNFIT), ("3 rad", "rad/s")])
-def test_quantities_refused(value, unit):
+def test_rejected_quantities(value, unit):
     with pytest.raises(ValueError, match=r"\w"):
         number_of(value, unit)
 
@@ -114,8 +114,8 @@ def test_drives_over_time_are_linear_between_their_points(tmp_path, drive, file,
     (tmp_path / "drive.csv").write_text(file)
     (tmp_path / "scene.toml").write_text(changed(TORQUE, TORQUE.split("[")[1], f"drive]\nkind = {drive}\n"))
     scene = load_scene(tmp_path / "scene.toml")
-    for one in (scene, scene.replaced(run={"stop_time": 0.1})):
-        signal = one.drive.signal()
+    for each in (scene, scene.replaced(run={"stop_time": 0.1})):
+        signal = each.drive.signal()
         assert {time: signal(time) for time in points} == pytest.approx(points)
 
 
@@ -133,7 +133,7 @@ def test_speed_under_control_has_the_unit_of_its_load(tmp_path):
     assert read(filed, tmp_path).controller.reference.signal()(30.0) == pytest.approx(5.0)
 
 
-def test_a_slope_over_the_way_takes_the_place_of_the_constant_one():
+def test_slope_over_distance_replaces_the_constant_slope():
     hill = "[load.slope_over_distance]\ndistance = [0, 100]\nslope = [0, '10 %']"
     load = read(CLOSED + hill).built_load.system
     signals = dict(zip(load.output_labels, load.output(0.0, [50.0], [0.0, 0.0]), strict=True))
@@ -141,7 +141,7 @@ def test_a_slope_over_the_way_takes_the_place_of_the_constant_one():
 
 
 @pytest.mark.parametrize("open_one", ["housing_freewheel", "output_freewheel"])
-def test_a_car_rolls_back_where_one_freewheel_is_missing(open_one):
+def test_car_rolls_back_without_a_freewheel(open_one):
     """Uphill and at rest its rolling resistance helps to hold it, and does not push it down."""
     uphill = changed(CLOSED, VEHICLE, VEHICLE + '\nslope = "1 %"\nrolling_resistance = 0.02')
     for mechanism, torque in (("", 0.01 + 0.02), (f"[mechanism]\n{open_one} = false", 0.0)):
@@ -172,7 +172,7 @@ def test_an_engine_is_a_torque_of_its_map_and_carries_its_rotor():
     assert (inputs["omega1"], values["input_inertia"], values["drive"]) == (100.0, 0.15, 1.0)
 
 
-def test_step_of_an_engine_counts_what_else_turns_with_link_1():
+def test_governor_step_includes_the_inertia_of_link_1():
     stiff = changed(ENGINE, 'gain = "3 N.m.s/rad"', 'gain = "30 N.m.s/rad"')
     heavier = read(changed(stiff, 'layout = "planar"', 'layout = "planar"\ninput_inertia = 0.16'))
     assert heavier.parameters()["input_inertia"] == pytest.approx(0.31)
@@ -204,7 +204,7 @@ REFUSED = Path(__file__).with_name("refused_scenes.txt").read_text(encoding="utf
 
 
 @pytest.mark.parametrize("change, words", re.findall(r"(.+)\n    (.+)\n", REFUSED))
-def test_one_line_names_key_value_and_what_is_allowed(change, words):
+def test_error_line_names_key_value_and_range(change, words):
     base, old, new = re.fullmatch(r"(\w+)(?:: (.*) =>| \+) ?(.*)", change.replace("\\n", "\n"), re.S).groups()
     text = changed(BASES[base], old, new) if old else BASES[base].replace("[run]", f"{new}\n[run]") or new
     with pytest.raises(SceneError) as caught:
@@ -223,7 +223,7 @@ def test_bad_scene_file_is_named(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["housing_stiffness", "freewheel_stiffness"])
-def test_freewheels_that_wind_up_are_not_exported_as_rigid_ones(name):
+def test_compliant_freewheels_are_not_exported_as_rigid(name):
     scene = read(OPEN + f'[mechanism]\nfidelity = "elastic"\n{name} = 6000')
     assert_refused(rf"^mechanism.{name} must be 0 for an export \(got 6000\)\. ", scene_plan, scene)
     assert scene_plan(read(OPEN + f"[mechanism]\n{name} = 6000")).part("module").values[name] == 6000.0

@@ -12,7 +12,7 @@ from inertia_module.analysis.converter_chart import SteadyMachine, compute_chart
 from inertia_module.common.errors import InertiaModuleError, UnknownNameError
 from inertia_module.driveline import EngineMap, Governor
 from inertia_module.driveline.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
-from inertia_module.fidelity.trials import run_in_process, time_of
+from inertia_module.fidelity.measure import run_in_process, time_of
 from inertia_module.fmi.results import Result
 from inertia_module.interface.variables import BY_NAME, LOSSES
 from inertia_module.plots.scenes import FLOWS, end_of_run, losses, plot, scene_figure
@@ -65,7 +65,7 @@ def labels(figure):
 # --- numbers of the summary ---
 
 
-def test_load_above_stall_is_told():
+def test_load_above_stall_is_reported():
     stall = SteadyMachine({}).at(100.0, 0.0).output_torque
 
     def told(load, parameters=None, **columns):
@@ -95,7 +95,7 @@ def test_load_above_stall_is_told():
         (0.0, 0.0, 0.0, 0.0, None),
     ],
 )
-def test_efficiency_is_what_is_not_lost_of_all_put_in(given, out, stored, lost, efficiency):
+def test_efficiency_is_the_fraction_of_work_without_losses(given, out, stored, lost, efficiency):
     energies = table(energy_in=given, energy_out=out, energy_stored=stored, energy_lost=lost)
     found = summarise(energies, None, 1.0, {})
     assert ("efficiency" in found) == (efficiency is not None)
@@ -103,7 +103,7 @@ def test_efficiency_is_what_is_not_lost_of_all_put_in(given, out, stored, lost, 
         assert found["efficiency"].value == pytest.approx(efficiency, rel=1e-15)
 
 
-def test_each_loss_is_told_where_there_is_one():
+def test_each_loss_is_reported():
     assert len(LOSSES) == 6
     for name in LOSSES:
         told = summarise(table(energy_in=10.0, energy_lost=2.0, **{name: 2.0}), None, 1.0, {})
@@ -112,7 +112,7 @@ def test_each_loss_is_told_where_there_is_one():
         assert BY_NAME[name].unit == "J"
 
 
-def test_forces_are_magnitudes_of_what_is_recorded():
+def test_forces_are_magnitudes_of_recorded_components():
     one = table(satellite_force=5.0, shaking_force_x=2.0, shaking_force_y=-3.0, shaking_force_z=6.0)
     assert {name: values[-1] for name, values in run.forces(one).items()} == {
         "satellite_force": 5.0,
@@ -135,7 +135,7 @@ def test_forces_are_magnitudes_of_what_is_recorded():
 # --- the duty of the freewheels ---
 
 
-def test_the_largest_frequency_is_that_of_ten_engagements_in_a_row_and_hardly_depends_on_the_rows():
+def test_maximum_frequency_is_the_mean_of_ten_engagements():
     # 20 Hz, 50 Hz for 15 of them, rest
     events = np.cumsum([*[0.05] * 30, *[0.02] * 15, 3.0])
     for step, allowed in ((1e-3, 0.01), (0.015, 0.1)):
@@ -158,7 +158,7 @@ def test_overruns_through_which_sprags_stay_engaged_do_not_count():
     assert run.engagements(record, "housing").tolist() == [0.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 4.0]
 
 
-def test_duty_does_not_count_the_jumps_of_a_speed_that_is_held_over_each_step(fmu):
+def test_duty_excludes_jumps_of_a_zero_order_speed(fmu):
     # up to 1500 rpm, 5/3 engagements a turn at stall
     result = run_scene(load_scene(EXAMPLES / "real_machine.toml").replaced(run={"stop_time": 1.5}), fmu)
     for name in ("housing", "output"):
@@ -166,7 +166,7 @@ def test_duty_does_not_count_the_jumps_of_a_speed_that_is_held_over_each_step(fm
         assert 30.0 < result.summary[f"{name}_engagement_frequency_maximum"] < 25.0 * 5.0 / 3.0
 
 
-def test_duty_is_what_the_module_counts_and_limits_that_are_passed_warn(fmu):
+def test_duty_agrees_with_the_module_and_exceeded_limits_cause_warnings(fmu):
     limits = {"indexing_frequency": "60 Hz", "output": {"torque": 80.0, "indexing_frequency": "20 Hz"}}
     result = run_scene(scene(1.0, freewheels=limits), fmu)
     table, numbers = result.record, result.summary
@@ -198,7 +198,7 @@ def test_duty_is_what_the_module_counts_and_limits_that_are_passed_warn(fmu):
         ({"fidelity": "kinematic", "kinematic_ratio": 0.2}, "fidelity kinematic prescribes the motion"),
     ],
 )
-def test_a_level_without_pulses_says_that_it_does_not_tell_the_duty(fmu, mechanism, reason):
+def test_level_without_pulses_has_no_duty(fmu, mechanism, reason):
     result = run_scene(scene(mechanism=mechanism, freewheels={"torque": 1.0, "slip": 1.0}), fmu)
     assert reason in result.remarks["freewheel_duty"]
     assert not result.limits
@@ -208,7 +208,7 @@ def test_a_level_without_pulses_says_that_it_does_not_tell_the_duty(fmu, mechani
         result.summary["housing_torque_peak"]
 
 
-def test_a_freewheel_that_is_not_there_has_no_duty(fmu):
+def test_missing_freewheel_has_no_duty(fmu):
     result = run_scene(scene(mechanism={"output_freewheel": False}, freewheels={"torque": 1.0}), fmu)
     assert list(result.limits) == ["housing_torque_peak"]
     assert "output_torque_peak" not in result.summary
@@ -237,7 +237,7 @@ def played(mechanism=None, **freewheels):
     return scene(mechanism=PLAY | (mechanism or {}), freewheels=freewheels)
 
 
-def test_a_torque_limit_is_not_passed_by_the_peak_that_leaves_out_impacts(fmu):
+def test_torque_limit_is_compared_with_the_peak_without_impacts(fmu):
     result = run_scene(played(torque=1e4), fmu)
     assert result.summary["output_torque_peak"] < 1e4
     (warning,) = [one for one in result.warnings if "impacts" in one]
@@ -246,7 +246,7 @@ def test_a_torque_limit_is_not_passed_by_the_peak_that_leaves_out_impacts(fmu):
     assert not [one for one in run_scene(played(), fmu).warnings if "impacts" in one]
 
 
-def test_the_torque_of_an_impact_is_that_of_a_spring_that_takes_up_its_energy(fmu):
+def test_impact_torque_is_the_torque_of_a_spring_with_its_energy(fmu):
     stiffness = 2e4
     result = run_scene(played(torque=1e4, stiffness=stiffness), fmu)
     energy, torque = (result.summary[f"output_impact_{name}"] for name in ("energy", "torque"))
@@ -259,7 +259,7 @@ def test_the_torque_of_an_impact_is_that_of_a_spring_that_takes_up_its_energy(fm
     assert [one for one in low.warnings if one.startswith("output impact torque is above the limit")]
 
 
-def test_a_compliant_freewheel_takes_the_torque_that_the_estimate_predicts(fmu):
+def test_impact_estimate_agrees_with_a_compliant_freewheel(fmu):
     """Half a sine of slip sqrt(c J), on top of what the freewheel carries then."""
     stiffness = 2e4
     rigid = run_scene(played(stiffness=stiffness), fmu)
@@ -319,13 +319,13 @@ def test_without_a_friction_coefficient_there_is_no_tractive_force(fmu):
         ({"friction_coefficient": 0.0}, "friction_coefficient must be .*above 0"),
     ],
 )
-def test_a_grip_that_cannot_be_is_refused(keys, words):
+def test_invalid_grip_is_rejected(keys, words):
     launch = load_scene(EXAMPLES / "engine_launch.toml")
     with pytest.raises(InertiaModuleError, match=words):
         launch.replaced(load=keys)
 
 
-def test_a_launch_on_a_hill_begins_with_the_first_motion_that_is_not_undone():
+def test_launch_on_a_hill_starts_after_rolling_back():
     """Pulses move the car, it stands in between; before, it rolls forward and back."""
     time = np.linspace(0.0, 4.0, 401)
     pulses = np.where(time % 0.2 < 0.1, 1.0, 0.0)
@@ -337,7 +337,7 @@ def test_a_launch_on_a_hill_begins_with_the_first_motion_that_is_not_undone():
     assert quantity.value == pytest.approx(0.5, abs=0.011)
 
 
-def test_time_out_of_the_band_of_a_cycle_counts_the_steps_that_begin_there():
+def test_time_outside_the_band_counts_steps_that_start_outside():
     time = np.array([0.0, 20.0, 21.0, 24.0, 195.0])
     lower, _ = CYCLE.tolerance_band(time)
     record = car(lower + np.array([0.1, -0.1, 0.1, 0.1, -0.1]), time, reference=CYCLE.speed_at(time))
@@ -349,7 +349,7 @@ def test_time_out_of_the_band_of_a_cycle_counts_the_steps_that_begin_there():
 # --- drives that give a speed ---
 
 
-def test_controlled_run_tells_how_well_it_follows_and_where_its_energy_went(fmu, tmp_path):
+def test_controlled_run_reports_tracking_error_and_energies(fmu, tmp_path):
     result = run_scene(scene(5, mechanism={"satellites": 3, "input_friction": 0.05}, **DRIVEN_CAR), fmu)
     assert result.metric_units["tracking_error_rms"] == "km/h"
     assert 0.1 < result.summary["tracking_error_rms"] < result.summary["tracking_error_maximum"] < 3.0
@@ -361,7 +361,7 @@ def test_controlled_run_tells_how_well_it_follows_and_where_its_energy_went(fmu,
     assert (tmp_path / "closed.png").stat().st_size > 10_000
 
 
-def test_a_car_is_judged_by_a_cycle_of_its_scene_that_it_cannot_follow(fmu):
+def test_car_that_cannot_follow_its_cycle_is_reported(fmu):
     """From 18 km/h, at the end in vain: link 1 may turn at 10 rad/s, which is 3.6 km/h."""
     reference = {"kind": "table", "time": [0, 2, 3], "speed": [5, 5, 10]}
     start = {"satellites": 3, "omega_out_start": 50}
@@ -427,9 +427,7 @@ def test_rows_too_far_apart_for_the_pulses_are_dots_and_mean_torques_no_curves(f
 
 
 @pytest.mark.parametrize("stop, step", [(0.5, 0.001), (0.01, 0.01)], ids=["many steps", "one step"])
-def test_an_ideal_run_leaves_the_wanted_columns_and_is_drawn_without_panels_of_losses(
-    fmu, tmp_path, stop, step
-):
+def test_ideal_run_has_the_requested_columns_and_no_loss_panels(fmu, tmp_path, stop, step):
     seen, wanted = [], ["omega2", "imbalance_acceleration"]
     result = run_scene(scene(stop, step, wanted), fmu, seen.append)
     assert result.table.names == ["time", *wanted, "load_torque", "omega1"]
@@ -465,7 +463,7 @@ def test_examples_lose_to_every_cause_but_the_shaft_and_balance(fmu, example):
 # --- drives that give a torque ---
 
 
-def test_run_by_torque_tells_the_speed_and_the_torque_and_draws_both(fmu):
+def test_torque_driven_run_reports_and_draws_speed_and_torque(fmu):
     result = run_scene(scene(**RISING), fmu)
     table, summary = result.table, result.summary
     assert table["drive_torque"][-1] == 20.0
@@ -531,7 +529,7 @@ def full_throttle(stop_time=6.0, step=0.01, integral_gain=12.0):
 
 
 @pytest.mark.parametrize("integral_gain", [0.0, 12.0])
-def test_torque_at_full_throttle_is_that_of_the_map_and_of_the_governor_of_the_top_speed(fmu, integral_gain):
+def test_full_throttle_torque_follows_the_map_and_the_speed_limiter(fmu, integral_gain):
     table = run_scene(full_throttle(integral_gain=integral_gain), fmu).record
     limits = EngineMap(
         tuple(np.array([0.0, 1000.0, 2000.0, 3000.0]) * np.pi / 30.0),
@@ -556,7 +554,7 @@ def test_with_the_throttle_closed_the_engine_idles(fmu):
     assert table["input_speed"][table.time > 6.0].mean() == pytest.approx(80.0, rel=0.03)
 
 
-def test_example_says_how_soon_the_car_is_up_to_speed(fmu):
+def test_example_reports_the_acceleration_time(fmu):
     launch = load_scene(EXAMPLES / "engine_launch.toml")
     launch = launch.replaced(load={"times_to": ["25 km/h", "50 km/h", "100 km/h"]})
     result = run_scene(launch, fmu)
@@ -592,7 +590,7 @@ LOCKED, COASTING = np.full(200, 3.0), np.zeros(200)
         (COASTING, "end of the run"),
     ],
 )
-def test_close_up_is_called_what_it_is(torque, shown):
+def test_close_up_has_its_title(torque, shown):
     table = Result.from_columns({"time": 1e-3 * np.arange(torque.size), "output_torque_mean": torque})
     first, heading = end_of_run(table)
     assert heading == shown
@@ -605,7 +603,7 @@ def test_close_up_is_called_what_it_is(torque, shown):
     ("largest", "unit", "label", "factor"),
     [(1999.0, "W", "W", 1.0), (5000.0, "W", "kW", 1e3), (5000.0, "rad/s", "rad/s", 1.0)],
 )
-def test_large_powers_are_drawn_in_thousands_and_say_so(largest, unit, label, factor):
+def test_large_powers_are_drawn_in_kilowatts(largest, unit, label, factor):
     axes, power = Figure().subplots(), np.array([1.0, -largest, 2.0])
     columns = {"time": np.arange(3.0), "energy_in": power, "energy_lost": 0.1 * power}
     plot(axes, Result(columns), FLOWS, "power", unit)
@@ -615,7 +613,7 @@ def test_large_powers_are_drawn_in_thousands_and_say_so(largest, unit, label, fa
 
 
 @pytest.mark.usefixtures("compiled")
-def test_chart_without_losses_multiplies_torque_by_what_the_speed_is_divided():
+def test_chart_without_losses_conserves_power():
     ratio, output, taken, _ = chart_figure({"ideal": compute_chart({})}).axes
     speeds, ratios = ratio.lines[0].get_data()
     assert ratios == pytest.approx(1.0 / speeds, rel=1e-9)

@@ -51,7 +51,7 @@ def test_a_specification_is_a_scene_with_free_keys_figures_and_a_search(read):
 
 
 @pytest.mark.parametrize("old, new, sentence", REFUSED["specifications"])
-def test_a_bad_specification_is_refused_in_a_sentence(old, new, sentence, read):
+def test_invalid_specification_is_rejected_in_a_sentence(old, new, sentence, read):
     text = SPEC.replace(old, new)
     assert text != SPEC
     assert_refused(sentence, read, text)
@@ -87,7 +87,7 @@ def test_designs_are_judged_in_the_units_of_their_figures(read):
     assert judge.violations(row(22.0, None, 1.0)) == pytest.approx([-0.1, 1.0, 1.0, 1.0])
 
 
-def test_the_front_is_what_no_other_design_is_better_than(read):
+def test_front_contains_the_nondominated_designs(read):
     judge = Judge(read(SPEC), UNITS)
     light, fast, both = row(22.0, 20.0, 0.5), row(22.0, 45.0, 2.0), row(22.0, 40.0, 1.0)
     worse, worst = row(22.0, 39.0, 1.1), row(22.0, 38.0, 1.2)
@@ -96,7 +96,7 @@ def test_the_front_is_what_no_other_design_is_better_than(read):
     assert (second, third) == ([worse], [worst])
 
 
-def test_what_another_search_found_is_better_only_within_the_limits_and_in_no_goal_worse(read):
+def test_better_designs_of_another_search_dominate_within_the_limits(read):
     judge = Judge(read(SPEC), UNITS)
     # of torque, speed and mass
     here = row(30.0, 20.0, 1.0)
@@ -124,7 +124,7 @@ def test_keys_of_a_specification_are_set_as_in_its_file(tmp_path):
     assert_refused(words, read_spec, path, ["search.populatoin=8"])
 
 
-def test_speed_that_a_design_or_a_run_does_not_reach_is_told():
+def test_unreached_speed_is_reported():
     slow, fast, refused = (
         Row({}, {}, 0.0),
         Row({}, {"time_to_25_kmh": 3.0}, 0.0),
@@ -163,7 +163,7 @@ def metric(name, values, ratio=0.0):
 
 
 @pytest.mark.parametrize("density, end", [(0.0, 1.0), (2700.0, 0.54), (7850.0, 0.31)])
-def test_figures_tell_what_satellites_that_weigh_something_cannot(density, end):
+def test_figures_with_satellite_mass_have_a_caveat(density, end):
     values = {**POINTS, "satellite_inertia": disc(density)}
     # which the metrics asked for before do not show
     assert metric("stall_torque", values) == pytest.approx(208.54, abs=0.01)
@@ -194,7 +194,7 @@ def test_a_car_is_launched_as_its_satellites_weigh(density, reached, built):
     assert (found["vehicle_speed_maximum"] < 37.0) is (reached is None)
 
 
-def test_pulses_of_the_input_torque_are_those_of_the_reduced_inertia():
+def test_input_torque_pulses_follow_from_the_reduced_inertia():
     # at rest of link 2: M1 - M2 is the rate of I omega1, I = n m (R0^2 + ...) even, so all six give M2 alone
     one = {**POINTS, "satellites": 1.0}
     lengths = POINTS["sun_radius"] + POINTS["satellite_radius"], POINTS["eccentricity"]
@@ -214,7 +214,7 @@ def test_satellite_of_bevel_gears_turns_by_both_meshes():
     assert metric("satellite_speed", {"z2": 30.0, "z16": 20.0, "z17": 34.0, "z6": 17.0}) == 750.0
 
 
-def test_load_that_stays_at_rest_and_a_missing_freewheel_are_told():
+def test_resting_load_and_missing_freewheel_are_reported():
     scene = load_scene(example("engine_launch"))
     assert "load does not move" not in doubts_of(scene, {"distance": 80.0, "omega_out_maximum": 0.0}, 250.0)
     resting = doubts_of(scene, {"distance": 0.09, "omega_out_maximum": 9.0}, 250.0)
@@ -228,7 +228,7 @@ def test_load_that_stays_at_rest_and_a_missing_freewheel_are_told():
     assert "load does not move" not in doubts_of(shaft, {}, 250.0)
 
 
-def test_verdict_says_what_is_in_doubt_and_how_a_search_ended(read, tmp_path):
+def test_verdict_contains_doubts_and_the_end_of_the_search(read, tmp_path):
     spec, good, short = read(SPEC), row(22.0, 40.0, 1.0), row(15.0, 60.0, 1.0)
 
     def verdict(checked, front, cut, doubts):
@@ -286,7 +286,7 @@ def test_the_polish_reaches_the_limit_and_the_starts_agree(read):
     assert all(0.0 <= spread < 5e-3 for spread in result.spread().values())
 
 
-def test_starts_that_end_in_different_minima_are_not_converged(read):
+def test_starts_with_different_minima_are_not_converged(read):
     """Dips that are far narrower than the distance of the designs."""
     _, result = searched(
         read, lambda mass, number: 1e-3 + abs(math.sin(3e5 * mass)), population=4, generations=1
@@ -295,7 +295,7 @@ def test_starts_that_end_in_different_minima_are_not_converged(read):
     assert max(result.spread().values()) > 0.05
 
 
-def test_the_verdict_says_whether_the_starts_agree(read, tmp_path):
+def test_verdict_reports_the_agreement_of_starts(read, tmp_path):
     spec, good = read(SPEC), row(22.0, 40.0, 1.0)
 
     def convergence(masses, cut=False):
@@ -315,7 +315,7 @@ def test_the_verdict_says_whether_the_starts_agree(read, tmp_path):
     assert "not converged: search.longest = 600 s ended" in convergence([1.0, 1.0], cut=True)
 
 
-def test_the_tightest_limit_is_one_that_designs_can_pass(read):
+def test_tightest_limit_can_be_exceeded(read):
     """A speed ratio of at least 1 is reached exactly by each machine that locks up."""
     text = SPEC.replace("[search]", "end_ratio = { speed = 9, minimum = 1 }\n[search]")
     judge = Judge(read(text), UNITS | {"end_ratio": "1"})
@@ -334,7 +334,7 @@ def test_the_tightest_limit_is_one_that_designs_can_pass(read):
 # --- power and grip ---
 
 
-def test_a_drive_that_cannot_hold_the_speed_of_the_figures_is_a_caveat():
+def test_drive_below_the_speed_of_the_figures_is_a_caveat():
     scene = load_scene(example("engine_launch"))
     torque = scene.drive_torque_limit(200.0)
     assert torque == pytest.approx(35.6, abs=0.5)
@@ -346,7 +346,7 @@ def test_a_drive_that_cannot_hold_the_speed_of_the_figures_is_a_caveat():
     assert load_scene(example("planar")).drive_torque_limit(200.0) is None
 
 
-def test_wheels_that_would_slip_are_a_caveat():
+def test_slipping_wheels_are_a_caveat():
     scene = load_scene(example("engine_launch")).replaced(load={"friction_coefficient": 0.5})
     grip = 0.5 * 900.0 * 9.80665
     assert scene.load.grip == pytest.approx(grip)
@@ -374,7 +374,7 @@ def farthest(values):
 
 
 @pytest.mark.parametrize("values", BEVEL)
-def test_envelope_of_bevel_gears_is_that_of_imbalance_and_rim(values):
+def test_envelope_of_bevel_gears_includes_imbalance_and_rim(values):
     # a whole number of teeth: in time an imbalance passes all angles of its satellite anywhere
     reached = max(farthest(values), farthest({**values, "a": 1.0, "b": 1.0}))
     assert SteadyMechanism(values).envelope_diameter / 2.0 == pytest.approx(reached, rel=2e-3)
@@ -398,7 +398,7 @@ def test_envelope_mass_and_room_of_a_planar_mechanism():
         assert_refused(name, metrics, {"fidelity": "rigid", f"mechanism.{name}": value})
 
 
-def test_a_driven_mass_is_rigid_with_the_hub_that_a_design_chooses():
+def test_driven_mass_is_rigid_with_the_hub_of_a_design():
     shaft = load_scene(example("reference")).replaced(mechanism={"driven_inertia": 0.3})
     run = SimpleNamespace(run=lambda scene: SimpleNamespace(quantities={"scene": Quantity(scene, "")}))
     metrics = metrics_of_designs({"tables": shaft.tables, "named": {}, "runs": True}, run)

@@ -29,7 +29,7 @@ OVERTAKING = {
 }
 
 
-def one_step(pair, h=1e-3):
+def single_step(pair, h=1e-3):
     """Constants, state and workspace after one step of the bevel module by a pair."""
     module = started("plain", SCENES["bevel"], omega_out_start=30.0, omega2_start=20.0)
     d, x, w = module.derived, module.state, record_type(WORKSPACE)()
@@ -42,7 +42,7 @@ def one_step(pair, h=1e-3):
 
 @pytest.mark.parametrize("pair", [tableau.DOP853_ROW, tableau.DOPRI5_ROW])
 def test_error_norm_is_inverse_to_the_tolerance_and_grows_with_each_error(pair):
-    _, _, w = one_step(pair)
+    _, _, w = single_step(pair)
     whole = error.error_norm(w)
     assert 0.0 < whole < 1e300
     w.tolerance *= 10.0
@@ -55,7 +55,7 @@ def test_error_norm_is_inverse_to_the_tolerance_and_grows_with_each_error(pair):
 
 
 def test_error_norm_is_the_root_mean_square_of_errors_over_scales():
-    _, _, w = one_step(tableau.DOPRI5_ROW)
+    _, _, w = single_step(tableau.DOPRI5_ROW)
     row, count = tableau.DOPRI5_E_ROW, tableau.DOPRI5_LAST_STAGE + 1
     errors = []
     for n, scale in enumerate(w.scale.numbers):
@@ -67,8 +67,8 @@ def test_error_norm_is_the_root_mean_square_of_errors_over_scales():
     assert error.error_norm(w) == pytest.approx(math.sqrt(mean), rel=1e-12)
 
 
-def test_scale_of_link_2_includes_the_inertia_that_it_carries():
-    d, x, w = one_step(tableau.DOP853_ROW)
+def test_scale_of_link_2_includes_its_load_inertia():
+    d, x, w = single_step(tableau.DOP853_ROW)
     free = w.scale.omega2
     x.output_state = 1.0
     error.write_scales(d, x, w)
@@ -104,7 +104,7 @@ def test_pair_of_order_5_is_not_trusted_over_many_radians():
     assert works[0] == pytest.approx(works[1], rel=3e-4)
 
 
-def test_step_that_makes_energy_is_repeated():
+def test_step_with_an_energy_gain_is_repeated():
     """The error estimate of the step at 1.02 s passes by chance; the energy check finds it."""
     module = advanced(started("plain", OVERTAKING, tolerance=1e-5), 1.9)
     assert module["omega2"] == pytest.approx(195.6, rel=0.05)
@@ -114,8 +114,8 @@ def test_step_that_makes_energy_is_repeated():
     )
 
 
-def test_energy_check_sees_what_a_step_makes_in_tolerances():
-    d, x, w = one_step(tableau.DOP853_ROW, 1e-4)
+def test_energy_check_measures_the_gain_in_tolerances():
+    d, x, w = single_step(tableau.DOP853_ROW, 1e-4)
     advance.copy_accelerations(x.now, d.machine)
     advance.end_step(d, x, w, 1.0, False)
     assert advance.energy_made(d, x, w) < 0.1

@@ -1,4 +1,4 @@
-"""Tables from CSV files as they come from rigs and spreadsheets: read right, or refused in a sentence."""
+"""Test tables from CSV files of rigs and spreadsheets: read correctly, or rejected in a sentence."""
 
 import math
 import tomllib
@@ -23,14 +23,14 @@ def read(folder, content):
     return Result.from_csv(folder / "table.csv")
 
 
-def test_the_same_table_comes_out_of_every_way_to_write_it(tmp_path):
+def test_all_formats_of_a_table_give_the_same_result(tmp_path):
     for name, text in SAME.items():
         table = read(tmp_path, text)
-        found = (table.names, table.time.tolist(), table["omega1"].tolist(), table.units["time"])
-        assert found == (["time", "omega1"], TIMES, SPEEDS, "s"), name
+        content = (table.names, table.time.tolist(), table["omega1"].tolist(), table.units["time"])
+        assert content == (["time", "omega1"], TIMES, SPEEDS, "s"), name
 
 
-def test_a_table_that_could_be_misread_is_refused(tmp_path):
+def test_ambiguous_table_is_rejected(tmp_path):
     for content, words in BAD:
         with pytest.raises(TableError, match=words) as refused:
             read(tmp_path, content)["omega1"]
@@ -105,7 +105,7 @@ def written(cells, separator, times=None):
 
 
 @pytest.mark.parametrize(("cells", "separator", "numbers"), ONE_MEANING)
-def test_numbers_with_one_meaning_are_read(tmp_path, cells, separator, numbers):
+def test_unambiguous_numbers_are_read(tmp_path, cells, separator, numbers):
     assert read(tmp_path, written(cells, separator))["omega1"].tolist() == numbers
 
 
@@ -172,7 +172,7 @@ MORE = {
 
 
 @pytest.mark.parametrize("name", MORE)
-def test_what_nobody_asks_for_does_not_reject_a_file(tmp_path, name):
+def test_unused_columns_do_not_reject_a_file(tmp_path, name):
     table = read(tmp_path, MORE[name])
     assert table.time.tolist() == TIMES
     assert table["omega1"].tolist() == SPEEDS
@@ -219,7 +219,7 @@ def test_a_file_without_a_table_over_time_is_rejected_with_the_line(tmp_path, co
         read(tmp_path, content)
 
 
-def test_a_column_that_is_not_numbers_is_an_error_when_it_is_asked_for(tmp_path):
+def test_requested_column_without_numbers_is_an_error(tmp_path):
     table = read(tmp_path, "# rig\ntime,omega1,x,x\n0,100,1,2\n1,,1,2\n")
     assert table.names == ["time"]
     with pytest.raises(TableError, match=r"table\.csv line 4: omega1 must be a finite number \(got ''\)$"):
@@ -230,7 +230,7 @@ def test_a_column_that_is_not_numbers_is_an_error_when_it_is_asked_for(tmp_path)
         table["x"]
 
 
-def test_columns_are_converted_to_the_units_asked_for():
+def test_columns_are_converted_to_the_requested_units():
     table = Result.from_columns({"time": [0.0], "speed": [30.0], "torque": [2.0]}, {"speed": "rpm"})
     turned = table.converted({"speed": "rad/s", "torque": "N.m"})
     assert turned["speed"] == pytest.approx([math.pi])
@@ -240,7 +240,7 @@ def test_columns_are_converted_to_the_units_asked_for():
         table.converted({"speed": "N.m"})
 
 
-def test_what_was_written_is_read_back_to_the_bit(tmp_path):
+def test_tables_survive_writing_and_reading_exactly(tmp_path):
     table = Result.from_columns({"time": np.arange(3.0), "x": [0.1, 1 / 3, 1e-300]}, {"x": "kg.m2"})
     read = Result.from_csv(table.to_csv(tmp_path / "table.csv"))
     assert {name: values.tolist() for name, values in read.columns.items()} == {
@@ -249,7 +249,7 @@ def test_what_was_written_is_read_back_to_the_bit(tmp_path):
     assert read.units == table.units
 
 
-def test_a_road_over_distance_comes_from_a_file_without_a_time(tmp_path):
+def test_road_over_distance_is_read_from_a_file_without_time(tmp_path):
     (tmp_path / "road.csv").write_text("distance [km];slope [%]\n0;0\n0,5;4\n")
     of_file = {"load.slope_over_distance.file": str(tmp_path / "road.csv")}
     road = load_scene(example("urban"), of_file).load.slope_over_distance
@@ -269,7 +269,7 @@ def test_a_road_over_distance_comes_from_a_file_without_a_time(tmp_path):
         load_scene(example("urban"), {"load.slope_over_distance.file": "roads\\road.csv"})
 
 
-def test_every_error_of_the_package_is_of_one_kind():
+def test_errors_of_the_package_have_a_common_base():
     from inertia_module.fmi.simulate import FmuError
 
     for kind in (FmuError, TableError, SceneError):

@@ -1,4 +1,4 @@
-"""Tables beside the run that they are for: steps, tables that never meet it, and doubtful times."""
+"""Test tables of a run: steps, tables outside the run, and suspicious times."""
 
 import re
 
@@ -39,7 +39,7 @@ RECORD = np.linspace(0.0, 1.0, 101)
         (np.array([2.0, 3.0]), 1.0, "got 2 to 3 s"),
     ],
 )
-def test_a_table_that_never_meets_the_run_is_rejected_with_both_ranges(times, stop_time, words):
+def test_table_outside_the_run_is_rejected_with_both_ranges(times, stop_time, words):
     with pytest.raises(TableError, match=f"times of rig.csv must be within the run, .*{words}"):
         time_warnings("rig.csv", times, [times], stop_time)
 
@@ -73,13 +73,13 @@ def test_a_table_that_never_meets_the_run_is_rejected_with_both_ranges(times, st
         (np.array([0.5, 3.0, 7.0]), 1.0, ""),
     ],
 )
-def test_times_that_are_probably_wrong_are_warned_of(times, stop_time, words):
+def test_suspicious_times_cause_a_warning(times, stop_time, words):
     lines = time_warnings("rig.csv", times, [np.arange(times.size)], stop_time)
     assert len(lines) == bool(words)
     assert re.search(words, "".join(lines)), lines
 
 
-def test_a_table_that_changes_within_the_run_or_just_after_it_needs_no_warning():
+def test_table_that_changes_within_the_run_or_just_after_it_has_no_warning():
     assert time_warnings("x", np.array([0.0, 3.0, 7.0]), [np.array([0.0, 0.0, 1.0])], 1.0) == []
     assert time_warnings("x", 1e5 * RECORD, [np.ones(RECORD.size)], 1.0) == []
     assert time_warnings("x", np.array([0.0, 1.0, 1e6]), [np.array([0.0, 1.0, 1.0])], 10.0) == []
@@ -128,7 +128,7 @@ def test_a_road_may_have_a_step_and_a_torque_over_the_speed_has_none(tmp_path):
     )
 
 
-def test_two_rows_of_one_time_are_two_readings_and_no_mean():
+def test_two_rows_of_the_same_time_are_two_readings():
     columns = {
         "omega2": [1.0, 2.0, 3.0],
         "output_torque_mean": [1.0, 2.0, 3.0],
@@ -143,7 +143,7 @@ def test_two_rows_of_one_time_are_two_readings_and_no_mean():
 # --- scenes ---
 
 
-def test_a_scene_rejects_a_table_that_never_meets_its_run_and_warns_of_a_doubtful_one(tmp_path):
+def test_scene_rejects_a_table_outside_its_run_and_warns_of_suspicious_times(tmp_path):
     rows = "".join(f"{time};{time}\n" for time in range(100, 130))
     (tmp_path / "rig.csv").write_text(f"time;omega1\n{rows}")
     table = changed(OPEN, SPEED, 'kind = "table"\nfile = "rig.csv"')

@@ -191,7 +191,7 @@ def test_a_construct_outside_the_language_is_rejected(statement, tmp_path, monke
         "a += bump(x)",
     ],
 )
-def test_a_call_that_writes_is_accepted_where_its_place_is_certain(statement, tmp_path, monkeypatch):
+def test_writing_call_is_accepted_with_a_certain_order(statement, tmp_path, monkeypatch):
     assert "bump(x)" in translated(function_of(statement, tmp_path, monkeypatch))
 
 

@@ -1,4 +1,4 @@
-"""Parameters that change between steps: the motion goes on as the equations with the new ones say."""
+"""Test parameters that change between steps: the motion follows the equations with the new values."""
 
 import pytest
 from geometry import direct_sums, ratio
@@ -16,8 +16,8 @@ LOSSES = {
 }
 
 
-def largest_energy(one):
-    return max(abs(one[name]) for name in ("energy_in", "energy_out", "energy_stored"))
+def largest_energy(module):
+    return max(abs(module[name]) for name in ("energy_in", "energy_out", "energy_stored"))
 
 
 @motions(("rigid",), added=("ideal",), missing=())
@@ -31,7 +31,7 @@ def largest_energy(one):
     ],
     ids=["rigid", "elastic", "losses set in", "losses end"],
 )
-def test_motion_goes_on_by_the_reference_with_the_new_parameters(compiled, scene, output, tuned):
+def test_motion_with_new_parameters_agrees_with_the_reference(compiled, scene, output, tuned):
     values = {**scene, **output}
     module = started(compiled, values, tolerance=1e-9)
     before, after = reference(values), reference({**values, **tuned})
@@ -47,7 +47,7 @@ def test_motion_goes_on_by_the_reference_with_the_new_parameters(compiled, scene
 
 
 @motions(("rigid", "elastic"), added=("ideal",), missing=())
-def test_rates_are_those_of_the_motion_that_goes_on(compiled, scene):
+def test_rates_agree_with_the_following_motion(compiled, scene):
     module = advanced(started(compiled, scene, max_step=1e-5, tolerance=1e-11), 0.02)
     module.set(**FRICTION, **SHAFT)
     rates, h = module.rates(), 1e-6
@@ -79,7 +79,7 @@ def test_jump_of_the_prescribed_ratio_is_an_impulse(compiled):
         assert abs(module["energy_residual"]) < 1e-12 * largest_energy(module)
 
 
-def test_shaft_alone_goes_on_as_one_started_there(compiled):
+def test_changed_shaft_agrees_with_a_new_shaft(compiled):
     tuned = {name: value for name, value in TUNED.items() if name in DRIVEN_SHAFT.by_name}
     shaft = advanced(DrivenShaft(compiled).start(hub_speed=50.0, load_torque=3.0), 0.02)
     shaft.set(**tuned)
@@ -90,14 +90,14 @@ def test_shaft_alone_goes_on_as_one_started_there(compiled):
         omega_out_start=shaft["omega_out"],
         twist_start=shaft["twist"],
     )
-    for one in (shaft, other):
-        advanced(one, 0.02, 0.013, hub_speed=57.0)
+    for each in (shaft, other):
+        advanced(each, 0.02, 0.013, hub_speed=57.0)
     for name in ("shaft_torque", "shaft_torque_mean", "omega_out", "driven_acceleration", "twist"):
         assert shaft[name] == pytest.approx(other[name], rel=1e-12), name
     assert abs(shaft["energy_residual"]) < 1e-12 * shaft["energy_in"]
 
 
-def test_what_does_not_go_together_is_refused_and_leaves_all_as_it_was(compiled):
+def test_inconsistent_parameters_are_rejected_without_effect(compiled):
     driven = {**SCENES["bevel"], "drive": 1, "input_inertia": 0.1, "drive_torque": 20.0}
     module = advanced(started(compiled, driven, fidelity=1), 0.1)
     before = module.save()

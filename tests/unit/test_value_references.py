@@ -55,7 +55,7 @@ def test_pinned_numbers_stay_and_new_ones_are_appended(model):
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
-def test_the_order_of_the_table_is_not_that_of_the_numbers(model, fmi):
+def test_order_of_the_table_differs_from_the_value_references(model, fmi):
     """A row may stand where it belongs: all others keep their numbers, in XML and in C."""
     *rows, last = model.variables
     changed = replace(model, variables=(*rows[:5], last, *rows[5:]))
@@ -68,7 +68,7 @@ def test_the_order_of_the_table_is_not_that_of_the_numbers(model, fmi):
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
-def test_a_row_inserted_in_the_middle_renumbers_nothing(model, fmi):
+def test_inserted_row_changes_no_value_reference(model, fmi):
     highest = max(variable.reference for variable in (*model.variables, model.time))
     row = replace(model.variables[0], name="new", reference=highest + 1)
     changed = replace(model, variables=(*model.variables[:5], row, *model.variables[5:]))

@@ -47,7 +47,7 @@ def test_a_step_too_short_and_a_rate_too_large_are_rejected_at_once(compiled, sc
 
 
 @motions(missing=(), drives=("speed",), added=("ideal",))
-def test_a_speed_that_is_held_linear_must_stay_within_its_limits(compiled, scene):
+def test_linearly_extrapolated_speed_must_stay_within_its_limits(compiled, scene):
     module = advanced(started(compiled, scene, input_hold=1), 1e-3, MIN_STEP)
     module.set(omega1=module["omega1"] + 1.0)
     before = module.save()
@@ -57,7 +57,7 @@ def test_a_speed_that_is_held_linear_must_stay_within_its_limits(compiled, scene
     advanced(module, MIN_STEP, 1e-3)
 
 
-def test_the_speed_of_a_hub_that_is_held_linear_must_stay_within_its_limits(compiled):
+def test_linearly_extrapolated_hub_speed_must_stay_within_its_limits(compiled):
     shaft = advanced(DrivenShaft(compiled).start(hub_speed=50.0, input_hold=1), 1e-3, 1e-9, hub_speed=50.0)
     shaft.set(hub_speed=50.1)
     assert "hub_speed must stay between" in rejected_at_once(shaft.advance, 0.1)
@@ -77,7 +77,7 @@ NUMBERS = (math.inf, -math.inf, math.nan, 1e308, -1.0, 0.5)
 
 
 @pytest.mark.parametrize("number", NUMBERS)
-def test_constants_of_a_state_are_calculated_anew(compiled, number):
+def test_constants_of_a_state_are_evaluated_again(compiled, number):
     for model, fields in (
         (DrivenShaft, ("fast_rate", "slow_rate", "damping_rate", "step")),
         (Module, ("satellites", "harmonic", "k")),
@@ -93,7 +93,7 @@ def test_constants_of_a_state_are_calculated_anew(compiled, number):
 
 @pytest.mark.parametrize("number", NUMBERS)
 @pytest.mark.parametrize("field", ["spin_signs", "mode"])
-def test_a_state_that_counts_by_no_whole_number_is_rejected(compiled, field, number):
+def test_state_with_a_fractional_counter_is_rejected(compiled, field, number):
     module = advanced(started(compiled, omega1=100.0, mesh_efficiency=0.98), 1e-3)
     setattr(module.state, field, number)
     saved = module.save()

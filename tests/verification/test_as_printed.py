@@ -1,6 +1,7 @@
-"""Equations that are wrong in print give what the page prints: each against numbers worked out by hand.
+"""Test the printed forms of wrong equations with numbers computed by hand.
 
-Equations that are right are compared with their exact forms (test_papers.py), these with chains of bodies.
+test_papers.py compares right equations with their exact forms. Other tests compare exact forms with chains of
+rotated bodies.
 """
 
 import math
@@ -19,19 +20,19 @@ from papers.karetin import Geometry, stop_mode
 DEGREE = pi / 180
 
 
-def karetins(**known):
-    return Forms(karetin.PRINTED, **known)
+def karetin_forms(**values):
+    return Forms(karetin.PRINTED, **values)
 
 
-def cones(size=1.0, **known):
+def cones(size=1.0, **values):
     wheels = Geometry(z17=20, z6=20, shaft_angle=pi / 2, wheel_radius=size)
-    return karetins(**karetin.inputs(wheels, stop_mode(1.0), 1.0) | known)
+    return karetin_forms(**karetin.inputs(wheels, stop_mode(1.0), 1.0) | values)
 
 
 D = {"x_D": 1.0, "y_D": 2.0, "z_D": 5.0}
 AT_60, AS_60 = (
     {"A": pi / 3, "B": pi / 3},
-    # satellite 20 + 40 degrees, drive 50 + 10 degrees
+    # satellite 20 + 40 degrees, pinion shaft 50 + 10 degrees
     {"epsilon": 40 * DEGREE, "gamma": 10 * DEGREE, "omega16": 50 * DEGREE, "omega6": 20 * DEGREE},
 )
 # D = (-1, 1, -1) rising with 1 m/s, and V = (t^2, 3 t, 5) at t = 2
@@ -49,18 +50,18 @@ CUSP, RIGHT, SLOW = (lysenko.printed(WHEEL, *at) for at in ((0.0, OMEGA), (pi / 
 NU1 = sqrt(7.0) * pi
 
 
-def stelmashchuks(**known):
-    return stelmashchuk.printed(stelmashchuk.Criteria(nu=sqrt(8.0) * pi, Pi=pi), 1.0, **known)
+def stelmashchuk_forms(**values):
+    return stelmashchuk.printed(stelmashchuk.Criteria(nu=sqrt(8.0) * pi, Pi=pi), 1.0, **values)
 
 
-# by paper: number, page, name of a quantity on it, and its value, the last in formulas too
+# rows by paper: number, printed forms, name of a quantity, formula of its value
 TABLE = tomllib.loads(Path(__file__).with_name("as_printed.toml").read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize(
-    ("page", "name", "found"),
+    ("forms", "name", "value"),
     [pytest.param(*row, id=f"{paper} {number}") for paper, rows in TABLE.items() for number, *row in rows],
 )
-def test_by_hand(page, name, found):
-    known = vars(math) | globals()
-    assert eval(page, known)[name] == pytest.approx(eval(found, known), rel=1e-14, abs=1e-14)
+def test_printed_form_has_the_value_computed_by_hand(forms, name, value):
+    scope = vars(math) | globals()
+    assert eval(forms, scope)[name] == pytest.approx(eval(value, scope), rel=1e-14, abs=1e-14)

@@ -1,4 +1,4 @@
-"""The commands of the studies, as they are run at the root of the project."""
+"""Test the commands of papers and verification."""
 
 import functools
 import json
@@ -14,12 +14,12 @@ from verification.stability.verdicts import Verdict
 command, succeeded = (functools.partial(run, of=app) for run in (programs.command, programs.succeeded))
 
 
-def test_papers_leaves_every_figure_as_png_svg_and_csv(tmp_path, monkeypatch):
-    # test_papers.py draws them all
+def test_papers_writes_figures_as_png_svg_and_csv(tmp_path, monkeypatch):
+    # test_papers.py draws all figures
     few = {name: FIGURES[name] for name in ("lysenko_1", "stelmashchuk_2")}
     monkeypatch.setattr("papers.figures.FIGURES", few)
-    done = programs.succeeded("-o", tmp_path / "papers", "--json", folder=tmp_path, of=papers_app)
-    files = [Path(file) for file in json.loads(done.stdout)["files"]]
+    process = programs.succeeded("-o", tmp_path / "papers", "--json", folder=tmp_path, of=papers_app)
+    files = [Path(file) for file in json.loads(process.stdout)["files"]]
     for kind in (".png", ".svg", ".csv"):
         drawn = {file.stem: file for file in files if file.suffix == kind}
         assert set(drawn) == set(few)
@@ -28,22 +28,22 @@ def test_papers_leaves_every_figure_as_png_svg_and_csv(tmp_path, monkeypatch):
 
 def test_stability_writes_the_table_of_the_extremes(tmp_path):
     arguments = ("stability", "--only", "output locked", "--quick", "-o", tmp_path / "table", "--json")
-    done = succeeded(*arguments, folder=tmp_path)
-    printed = json.loads(done.stdout)
+    process = succeeded(*arguments, folder=tmp_path)
+    printed = json.loads(process.stdout)
     assert {verdict["verdict"] for verdict in printed["verdicts"]} <= {"exact", "degraded", "rejected"}
     assert {path.name for path in (tmp_path / "table").iterdir()} == {"stability.csv"}
     assert all(Path(path).is_file() for path in printed["files"].values())
 
 
 def test_stability_prints_a_row_for_each_axis_and_fails_if_a_case_is_broken(tmp_path, monkeypatch):
-    def run_study(chosen, report):
-        return [Verdict(case, "exact" if number else "broken") for number, case in enumerate(chosen)]
+    def run_study(cases, report):
+        return [Verdict(case, "exact" if number else "broken") for number, case in enumerate(cases)]
 
     monkeypatch.setattr("verification.stability.verdicts.run_study", run_study)
-    done = command("stability", "--only", "output locked", "-o", tmp_path / "table", folder=tmp_path)
-    assert done.exit_code == 1
-    assert "output locked" in done.stdout
-    assert "31 exact, 0 sensitive, 0 degraded, 0 rejected, 1 broken" in done.stdout
+    process = command("stability", "--only", "output locked", "-o", tmp_path / "table", folder=tmp_path)
+    assert process.exit_code == 1
+    assert "output locked" in process.stdout
+    assert "31 exact, 0 sensitive, 0 degraded, 0 rejected, 1 broken" in process.stdout
 
 
 def test_stability_runs_random_machines_of_a_seed(tmp_path):
@@ -60,6 +60,6 @@ def test_stability_names_the_random_machines_that_fail(tmp_path, monkeypatch):
         return [Row(0, "rigid", "bevel", "speed", "degraded", "1.0e-05", "momentum")]
 
     monkeypatch.setattr("verification.stability.random_motions.examine_machines", examine_machines)
-    done = command("stability", "--random", "1", "-o", tmp_path / "random", folder=tmp_path)
-    assert done.exit_code == 1
-    assert "number 0 (rigid): degraded: momentum" in done.stdout
+    process = command("stability", "--random", "1", "-o", tmp_path / "random", folder=tmp_path)
+    assert process.exit_code == 1
+    assert "number 0 (rigid): degraded: momentum" in process.stdout

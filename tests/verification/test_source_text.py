@@ -1,4 +1,4 @@
-"""Docstrings begin with a verb or a noun; planted changes match the kernel."""
+"""Test the first words of docstrings, and that planted changes match the kernel."""
 
 import re
 from pathlib import Path
@@ -17,12 +17,14 @@ def test_docstrings_begin_with_a_verb_or_a_noun_of_the_field():
         for path in folder.rglob("*.py")
     ]
     assert len(files) > 200
-    begun = re.compile(r'^ *r?"""(?:What|Whether|The same)\b.*', re.M)
-    found = [(path.name, line) for path in files for line in begun.findall(path.read_text(encoding="utf-8"))]
-    assert found == []
+    pattern = re.compile(r'^ *r?"""(?:What|Whether|The same)\b.*', re.M)
+    matches = [
+        (path.name, line) for path in files for line in pattern.findall(path.read_text(encoding="utf-8"))
+    ]
+    assert matches == []
 
 
-def test_every_planted_change_stands_once_in_the_kernel_and_changes_it():
+def test_every_planted_change_occurs_once_in_the_kernel():
     for change in CHANGES:
         path, source = edited(change)
         assert source != (PACKAGE / "kernel" / path).read_text()

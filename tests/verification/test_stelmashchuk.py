@@ -1,6 +1,6 @@
-"""Stelmashchuk's closed form against his equation 3, and his words on the drive.
+"""Test Stelmashchuk's closed form with his equation 3, and the law of motion of the driving wheel.
 
-The FMU's driven shaft is held to it in tests/unit/test_paper_scenes.py.
+tests/unit/test_paper_scenes.py compares the driven shaft of the FMU with it.
 """
 
 import math
@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from papers import stelmashchuk
 from papers.stelmashchuk import TWO_PI, Criteria, constants, free_oscillation, law_of_motion, response
 
-# (nu, Pi): under-, critically and overdamped, near to critical and to resonance, soft and stiff
+# (nu, Pi): under-, critically and overdamped, near critical damping and resonance, soft and stiff
 REGIMES = [
     (4.4, 0.0),
     (8.0, 0.5),
@@ -32,8 +32,8 @@ REGIMES = [
 ]
 
 
-def law_in_words(kappa, kappa2):
-    """The driving wheel, phase after phase as the paper has it: angle, velocity, acceleration."""
+def law_by_phase(kappa, kappa2):
+    """Return angle, velocity and acceleration of the driving wheel by the text of the paper."""
     if kappa < 0.5:
         angle = TWO_PI * kappa
         return kappa - math.sin(angle) / TWO_PI, 1 - math.cos(angle), TWO_PI * math.sin(angle)
@@ -53,19 +53,20 @@ def law_in_words(kappa, kappa2):
 
 @pytest.mark.parametrize("beta", [0.0, 1.0, 0.6])
 @pytest.mark.parametrize("nu, Pi", REGIMES)
-def test_closed_form_is_continuous_and_fulfils_equation_3(nu, Pi, beta):
+def test_closed_form_is_continuous_and_satisfies_equation_3(nu, Pi, beta):
     edges = stelmashchuk.phase_starts(0.6)[1:]
     before, after = (
         response(times, Criteria(nu, Pi), 0.6, beta) for times in (np.nextafter(edges, 0.0), edges)
     )
-    # in one unit of rounding of kappa a' turns by up to nu^2 eps, a'' by nu^3 eps of the free oscillation
+    # within one rounding unit of kappa, a' changes by up to nu^2 eps and a'' by up to nu^3 eps of the
+    # oscillation
     for name, bound in (
         ("angle", 1e-14),
         ("velocity", 1e-13),
         ("acceleration", 1e-12 * (1 + Pi) + 1e-15 * nu),
     ):
         assert getattr(before, name) == pytest.approx(getattr(after, name), abs=bound)
-    # with a dwell and without
+    # with and without a dwell
     kappa = np.linspace(0.0, 3.0, 301)
     for kappa2 in (0.8, 0.0):
         motion, driving = response(kappa, Criteria(nu, Pi), kappa2, beta), law_of_motion(kappa, kappa2)
@@ -74,7 +75,7 @@ def test_closed_form_is_continuous_and_fulfils_equation_3(nu, Pi, beta):
         assert motion.angle - motion.twist == pytest.approx(driving[0], abs=1e-15)
 
 
-def test_amplitude_is_that_of_the_envelope():
+def test_amplitude_is_the_start_of_the_envelope():
     criteria, kappa2 = Criteria(8.0, 0.5), 1.0
     (C1, C2), (amplitude, _) = constants(criteria, kappa2)[1], free_oscillation(criteria, kappa2)
     assert amplitude == pytest.approx(64.0 * math.hypot(C1, C2), rel=1e-13)
@@ -84,7 +85,7 @@ def test_amplitude_is_that_of_the_envelope():
     assert swing.max() == pytest.approx(amplitude, rel=1e-3)
 
 
-def test_before_the_start_everything_rests_and_the_shape_of_the_times_is_kept():
+def test_response_is_zero_before_the_start_with_the_shape_of_the_times():
     for times in (np.array([[-3.0, -1e-9, 0.0]]), np.array(-1.0), np.array([])):
         for values in response(times, Criteria(8.0, 0.5), 1.0):
             assert values.shape == times.shape
@@ -92,8 +93,8 @@ def test_before_the_start_everything_rests_and_the_shape_of_the_times_is_kept():
 
 
 @given(st.floats(0.0, 3.0), st.floats(0.0, 2.0))
-def test_law_of_motion_is_the_one_of_the_phases(kappa, kappa2):
-    found = [float(values) for values in law_of_motion(kappa, kappa2)]
-    assert found == pytest.approx(law_in_words(kappa, kappa2), abs=1e-13)
-    # a boundary counts to the later phase
+def test_law_of_motion_agrees_with_the_phases(kappa, kappa2):
+    motion = [float(values) for values in law_of_motion(kappa, kappa2)]
+    assert motion == pytest.approx(law_by_phase(kappa, kappa2), abs=1e-13)
+    # a boundary belongs to the later phase
     assert stelmashchuk.phase_of([-1.0, 0.0, 0.5, 1.2, 1.5, 2.0, 9.0], 1.0).tolist() == [0, 0, 1, 1, 2, 3, 3]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from inertia_module.fidelity.trials import Level
+from inertia_module.fidelity.levels import Level
 from inertia_module.interface.variables import INTEGER, PARAMETER, REAL, Group, Variable, with_causality
 from inertia_module.kernel.codes import AVERAGED
 from inertia_module.model import Module

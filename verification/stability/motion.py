@@ -10,7 +10,7 @@ from typing import Any, Self
 from pydantic import TypeAdapter
 
 from inertia_module.common.errors import InertiaModuleError
-from inertia_module.fidelity.trials import Level
+from inertia_module.fidelity.levels import Level
 from inertia_module.interface.variables import BY_NAME, LARGEST_STEP, LOSSES
 from inertia_module.kernel.codes import AVERAGED, ELASTIC, KINEMATIC, RIGID
 from inertia_module.kernel.equations.motion import evaluate

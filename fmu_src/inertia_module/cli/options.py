@@ -73,20 +73,6 @@ Workers = Annotated[
 ]
 
 
-def values_of(keys: list[str] | None) -> dict[str, object]:
-    """Return the values of the options --set by dotted key.
-
-    Args:
-        keys: Texts KEY=VALUE.
-
-    Raises:
-        SceneError: A text is not of this form.
-    """
-    from ..scene.keys import keys_of_texts
-
-    return keys_of_texts(keys)
-
-
 def quantity_of(option: str, text: str | None, unit: str, **limits: float) -> float | None:
     """Convert the value of an option, such as "2 s", to SI and check its range.
 
@@ -105,6 +91,20 @@ def quantity_of(option: str, text: str | None, unit: str, **limits: float) -> fl
         return None if text is None else checked(text, unit, **limits)
     except ValueError as error:
         raise ValueError(f"{option} {error}") from None
+
+
+def values_of(keys: list[str] | None) -> dict[str, object]:
+    """Return the values of the options --set by dotted key.
+
+    Args:
+        keys: Texts KEY=VALUE.
+
+    Raises:
+        SceneError: A text is not of this form.
+    """
+    from ..scene.keys import keys_of_texts
+
+    return keys_of_texts(keys)
 
 
 def speed_of(text: str) -> float:

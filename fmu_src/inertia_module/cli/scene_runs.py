@@ -34,7 +34,7 @@ from .options import (
 )
 
 if TYPE_CHECKING:
-    from ..fidelity.trials import Choice
+    from ..fidelity.choice import Choice
     from ..scene import Scene, SceneResult, ShaftScene
 
 # minimum width of the summary on a narrow terminal, characters
@@ -150,7 +150,7 @@ def _read_scene(
     Raises:
         ValueError: An option is invalid for the scene.
     """
-    from ..fidelity.trials import choose
+    from ..fidelity.choice import choose
     from ..scene import Scene, load_any_scene
 
     read = load_any_scene(scene, values_of(keys))

@@ -12,7 +12,7 @@ import inertia_module
 
 from ..common.files import OUTPUT_FOLDER, writable_folder
 from ..common.terminal import progress_bar
-from .answer import Answer, Shown, command
+from .answer import Answer, Shown, command, indented
 from .figure_files import FORMATS, FigureFormat, FigurePanel, figure_path, write_picture
 from .options import (
     FmuToRun,
@@ -302,12 +302,16 @@ def tradeoff(
     file_format: FigureFormat = FORMATS[0],
     panel: FigurePanel = None,
 ) -> Answer:
-    """Compare accuracy and run time of all fidelity levels.
+    """Compare accuracy and run time of the fidelity levels.
 
-    Runs a scene with each fidelity, tolerance and communication step. Writes
+    Runs a scene at the levels that fidelity auto selects from. Writes
     tradeoff.csv and tradeoff.png. Default output folder: out/tradeoff.
     """
-    from ..fidelity import trials
+    from ..fidelity import choice as levels
+    from ..fidelity.level_table import print_levels
+    from ..fidelity.measure import trial_rows
+    from ..fidelity.rows import failure_lines, write_rows
+    from ..plots.fidelity import work_precision
 
     with progress_bar("comparing the fidelity levels") as progress:
         folder = writable_folder(output or OUTPUT_FOLDER / "tradeoff")
@@ -315,17 +319,14 @@ def tradeoff(
         allowed = quantity_of("--recommend", recommend, "1", maximum=1.0, above=0.0)
         read = inertia_module.load_scene(scene, values_of(keys))
         title, names = read.title, read.run.outputs
-        measure = trials.trial_rows if allowed else trials.measured_rows
-        rows = measure(read, progress)
-        choice = trials.recommend(rows, allowed, names) if allowed else None
-        files = {"rows": trials.write_rows(folder / "tradeoff.csv", rows)}
-        figure = trials.work_precision(rows, names, title)
+        rows = trial_rows(read, progress)
+        choice = levels.recommend(rows, allowed, names) if allowed else None
+        files = {"rows": write_rows(folder / "tradeoff.csv", rows)}
+        figure = work_precision(rows, names, title)
         files["picture"] = write_picture(path, figure, panel)
 
-    step = (rows[0] if choice is None else choice.row).communication_step
-    step_rows = [row for row in rows if row.communication_step == step]
-    parts: list[Shown] = [partial(trials.print_levels, title, step_rows, names, allowed)]
-    parts += trials.failure_lines(rows)
-    parts += [] if choice is None else choice.lines()
+    parts: list[Shown] = [partial(print_levels, title, rows, names, allowed or 0.01)]
+    choice_lines = [] if choice is None else choice.lines()
+    parts += [line for text in [*failure_lines(rows), *choice_lines] for line in indented(text)]
     data: dict[str, Any] = {"title": title, "rows": [row.as_dict() for row in rows]}
     return Answer(data | ({} if choice is None else {"recommendation": choice.as_dict()}), parts, files)

@@ -28,6 +28,7 @@ INTERNAL = (PACKAGE, "importlib", "pydantic")
 MODULES = {
     "bridge": "control",
     "contract": "interface",
+    "fidelity.trials": "fidelity.measure",
     "figures": "plots",
     "figures.jobs": "plots.studies",
     "figures.report": "report.html_report",

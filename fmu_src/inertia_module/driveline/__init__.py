@@ -6,6 +6,7 @@ them, also with other systems of python-control. ClosedLoop simulates them with 
 
 from typing import TYPE_CHECKING, Any
 
+from ..common.deprecated import renamed_names
 from . import closed_loop, connection, controllers, engine, loads, sources
 from .closed_loop import *
 from .connection import *
@@ -27,6 +28,8 @@ __all__ = [  # noqa: PLE0604
     *sources.__all__,
 ]
 
+_renamed = renamed_names(__name__, Sampled="DiscreteSystem")
+
 
 def __getattr__(name: str) -> Any:
     # The module of DiscreteSystem imports python-control, so it is imported at its first use.
@@ -34,4 +37,6 @@ def __getattr__(name: str) -> Any:
         from .discrete_system import DiscreteSystem
 
         return DiscreteSystem
+    if name == "Sampled":
+        return _renamed(name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

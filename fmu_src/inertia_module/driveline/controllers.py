@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..common.deprecated import renamed_arguments
 from ..common.errors import must_be
 from .engine import Governor
 
@@ -57,6 +58,7 @@ def pi_speed_controller(
     return DiscreteSystem("pi_speed_controller", step, ["reference", measured], [command], law, ["integral"])
 
 
+@renamed_arguments(greatest="maximum")
 def driver_brake(step: float, gain: float, maximum: float, margin: float = 0.0) -> DiscreteSystem:
     """Make the brake of a driver: a force proportional to the excess of the vehicle speed.
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.deprecated import renamed_arguments
 from .sources import Signal, Sources, evaluate
 
 if TYPE_CHECKING:
@@ -207,6 +208,7 @@ _VEHICLE_OUTPUTS = (
 )
 
 
+@renamed_arguments(one_way="prevents_reverse")
 def vehicle_load(
     step: float,
     mass: float,

@@ -604,7 +604,7 @@ def start_of(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
     """
     if scene.chooses_fidelity:
         raise SceneError(
-            "mechanism.fidelity must be a named level (got 'auto'). Choose one with fidelity.trials.choose."
+            "mechanism.fidelity must be a named level (got 'auto'). Choose one with fidelity.choice.choose."
         )
     values = scene.parameters()
     if scene.accuracy.tolerance is not None:
