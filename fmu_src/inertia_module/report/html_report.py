@@ -152,7 +152,7 @@ def report_file(
     answer = {
         "checks": _checks(result, writer, chosen),
         "numbers": _main_numbers(result, writer),
-        "picture": _picture(_scene_figure(result, rows=2), height=3.6),
+        "picture": _picture(_scene_figure(result, rows=2), height=3.4),
         "inputs": asked[:MAX_INPUTS],
         "more": max(len(asked) - MAX_INPUTS, 0),
     }
@@ -193,7 +193,8 @@ def _picture(figure: Figure, height: float | None = None, row_height: float = RO
         row_height: Height of a row of panels, inches.
     """
     figure.suptitle("")
-    rows = max(axes.get_gridspec().nrows for axes in figure.axes if axes.get_gridspec() is not None)
+    grids = (axes.get_gridspec() for axes in figure.axes)
+    rows = max((grid.nrows for grid in grids if grid is not None), default=1)
     figure.set_size_inches(WIDTH_ON_PAPER, height or row_height * rows)
     figure.set_dpi(DPI)
     return f"data:image/png;base64,{base64.b64encode(picture_of(figure, 'png')).decode()}"
@@ -221,7 +222,7 @@ def _checks(result: SceneResult, writer: SummaryWriter, chosen: Sequence[str]) -
         writer: Writer of the summary, for units.
         chosen: Lines about the choice of the fidelity.
     """
-    notes = [f"{heading(name)} {text}" for name, text in result.remarks.items()]
+    notes = [f"{heading(name)} {text}" for name, text in result.remarks.items() if name != DUTY]
     checks = [Check(False, writer.in_display_units(text)) for text in (*result.warnings, *notes)]
     for name, limit in result.limits.items():
         value, unit = result.quantities[name]
