@@ -52,6 +52,8 @@ RECORDED = (
 )
 # resolution of figures; width in inches, at which text is legible on paper; maximum height of a row of panels
 DPI, WIDTH_ON_PAPER, ROW_HEIGHT = 190, 9.0, 2.0
+# size of the text of legends in the figures of a scene, points
+LEGEND_SIZE = 8.0
 # maximum number of numbers and of inputs on the first page
 MAX_NUMBERS, MAX_INPUTS = 5, 12
 # numbers of the first page by importance; TIME_TO is the start of the names of acceleration times
@@ -148,13 +150,17 @@ def report_file(
         "date": day,
         "command": command,
     }
-    asked = [row[:2] for row in inputs[1].rows if row[2] != "default"]
+    conditions = [
+        (key, value.replace("N.m", "N·m").replace("kg.m2", "kg·m²"))
+        for key, value, source, *_ in inputs[1].rows
+        if source != "default" and key != "run.outputs"
+    ]
     answer = {
         "checks": _checks(result, writer, chosen),
         "numbers": _main_numbers(result, writer),
         "picture": _picture(_scene_figure(result, rows=2), height=3.4),
-        "inputs": asked[:MAX_INPUTS],
-        "more": max(len(asked) - MAX_INPUTS, 0),
+        "inputs": conditions[:MAX_INPUTS],
+        "more": len(conditions) > MAX_INPUTS,
     }
     page = {
         "scene": result.scene,
@@ -181,6 +187,9 @@ def _scene_figure(result: SceneResult, rows: int | None = None) -> Figure:
     for axes in figure.axes:
         title = axes.get_title(loc="left").partition(": output")[0].partition(" (")[0]
         axes.set_title(title, loc="left", pad=22)
+        legend = axes.get_legend()
+        for text in legend.get_texts() if legend else ():
+            text.set_fontsize(LEGEND_SIZE)
     return figure
 
 
@@ -207,7 +216,7 @@ def _words(name: str) -> str:
 def _css_text(text: str) -> str:
     """Return a text for a string of CSS; all characters except letters, digits and spaces are escaped."""
     return "".join(
-        sign if sign.isascii() and (sign.isalnum() or sign == " ") else f"\\{ord(sign):06x}" for sign in text
+        sign if sign.isascii() and (sign.isalnum() or sign == " ") else f"\\{ord(sign):x} " for sign in text
     )
 
 
@@ -231,7 +240,7 @@ def _checks(result: SceneResult, writer: SummaryWriter, chosen: Sequence[str]) -
             checks.append(Check(True, f"{heading(name)} {scale.text(value)} (limit {scale.text(limit)})"))
     residual = writer.metrics.get("energy_residual_relative")
     if residual is not None:
-        checks.append(Check(True, f"energy balance: error of {residual:.1e} of the energy"))
+        checks.append(Check(True, f"energy balance: relative error {abs(residual):.2g}"))
     return checks + [Check(True, line) for line in chosen]
 
 
