@@ -19,6 +19,8 @@ SIZE = (12.0, 9.0)
 DPI = 100
 # size of a figure with one panel, inches, and enlargement of its text: a slide of 16:9
 SLIDE, SLIDE_TEXT = (12.8, 7.2), 1.7
+# size of tick labels, points
+TICK_SIZE = 10.0
 # averaging time that removes pulses, s
 SMOOTHING = 1.0
 
@@ -125,17 +127,20 @@ def single_panel(figure: Figure, number: int) -> Figure:
     for axes in remaining:
         sharing = axes.get_shared_x_axes().get_siblings(axes)
         axes.set_xlabel(next((other.get_xlabel() for other in sharing if other.get_xlabel()), ""))
-        axes.tick_params(labelbottom=True, labelsize=SLIDE_TEXT * 10.0)
+        axes.tick_params(labelbottom=True)
     artists = [artist for axes in remaining for artist in (*axes.collections, *axes.images)]
     colour_bars = [artist.colorbar.ax for artist in artists if artist.colorbar is not None]
     for axes in figure.axes:
         if axes not in (*remaining, *colour_bars):
             axes.remove()
+    whole = GridSpec(1, 1, figure=figure)[0]
     for axes in remaining:
-        axes.set_subplotspec(GridSpec(1, 1, figure=figure)[0])
+        axes.set_subplotspec(whole)
     figure.set_size_inches(*SLIDE)
     for text in figure.findobj(Text):
-        text.set_fontsize(SLIDE_TEXT * text.get_fontsize())
+        text.set_fontsize(SLIDE_TEXT * float(text.get_fontsize()))
+    for axes in (*remaining, *colour_bars):
+        axes.tick_params(which="both", labelsize=SLIDE_TEXT * TICK_SIZE)
     for line in (line for axes in remaining for line in axes.lines):
         line.set_linewidth(SLIDE_TEXT * line.get_linewidth())
     return figure
