@@ -9,7 +9,7 @@ from matplotlib.gridspec import GridSpec
 from matplotlib.text import Text
 from numpy.typing import NDArray
 
-from ..common.colours import Picture
+from ..common.colours import Picture, styled
 from ..common.errors import must_be
 from ..common.units import printed_unit
 from ..scene.keys import MECHANISM
@@ -19,8 +19,8 @@ SIZE = (12.0, 9.0)
 DPI = 100
 # size of a figure with one panel, inches, and enlargement of its text: a slide of 16:9
 SLIDE, SLIDE_TEXT = (12.8, 7.2), 1.7
-# size of tick labels, points
-TICK_SIZE = 10.0
+# size of tick labels, and distance of a title above a legend, points
+TICK_SIZE, TITLE_PAD = 10.0, 22.0
 # averaging time that removes pulses, s
 SMOOTHING = 1.0
 
@@ -77,7 +77,7 @@ def headline(axes: Axes, text: str) -> None:
         axes: The panel.
         text: The line.
     """
-    axes.set_title(text, pad=22)
+    axes.set_title(text, pad=TITLE_PAD)
 
 
 def smooth(time: Array, values: Array, window: float = SMOOTHING) -> Array:
@@ -110,6 +110,7 @@ def envelope(time: Array, values: Array, bins: int) -> tuple[Array, Array, Array
     return times, low, high
 
 
+@styled()
 def single_panel(figure: Figure, number: int) -> Figure:
     """Reduce a figure to one panel in the size of a slide, with large text.
 
@@ -128,6 +129,8 @@ def single_panel(figure: Figure, number: int) -> Figure:
         sharing = axes.get_shared_x_axes().get_siblings(axes)
         axes.set_xlabel(next((other.get_xlabel() for other in sharing if other.get_xlabel()), ""))
         axes.tick_params(labelbottom=True)
+        pad = SLIDE_TEXT * (TITLE_PAD if axes.get_legend() else 6.0)
+        axes.set_title(axes.get_title(loc="left"), pad=pad)
     artists = [artist for axes in remaining for artist in (*axes.collections, *axes.images)]
     colour_bars = [artist.colorbar.ax for artist in artists if artist.colorbar is not None]
     for axes in figure.axes:

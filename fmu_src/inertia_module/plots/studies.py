@@ -228,15 +228,15 @@ def _map(panel: Axes, sweep: SweepResult, values: Array, label: str) -> None:
 # --- designs ---
 
 
-# limits of an axis: range of the valid designs, widened by this fraction
-MARGIN = 0.15
+# limits of an axis: range of the Pareto front, at least this fraction of its value, widened by the margin
+MIN_RANGE, MARGIN = 0.01, 0.25
 
 
 @styled()
 def design_figure(result: DesignResult) -> Figure:
     """Draw a design: a single goal over the number of the design, or the other goals over the first.
 
-    The large panels show the designs that satisfy all limits, the small panels all designs. A table below has
+    The large panels show the Pareto front of the designs that satisfy all limits, the small panels all designs. A table below has
     the goals of the numbered designs.
 
     Args:
@@ -257,6 +257,10 @@ def design_figure(result: DesignResult) -> Figure:
         _stretch(overview.set_yscale, overview.yaxis, y)
         if across is not None:
             _stretch(overview.set_xscale, overview.xaxis, x)
+        (left, right), (low, high) = front.get_xlim(), front.get_ylim()
+        overview.plot(
+            [left, right, right, left, left], [low, low, high, high, low], color=GREY, linewidth=0.8
+        )
         overview.set_title("all designs")
         dress(front, titled(name, result.judge.unit(name)))
         front.set_xlabel("design number" if across is None else titled(across, result.judge.unit(across)))
@@ -294,15 +298,15 @@ def _goals(panel: Axes, result: DesignResult, across: str | None, up: str, marke
 
 
 def _zoom(panel: Axes, result: DesignResult, across: str | None, up: str) -> None:
-    """Limit a panel to the valid designs and number the verified ones, each beside its dot."""
+    """Limit a panel to the Pareto front and number the verified designs, each beside its dot."""
     finalists = [finalist.checked for finalist in result.finalists]
-    valid = [row for row in result.rows if result.judge.meets(row)]
-    x, y = _coordinates(result, [*(valid or result.rows), *finalists], across, up)
+    x, y = _coordinates(result, [*result.front, *finalists] or result.rows, across, up)
     for set_limits, values in ((panel.set_xlim, x), (panel.set_ylim, y)):
         finite = values[np.isfinite(values)]
-        if finite.size and np.ptp(finite) > 0.0:
-            margin = MARGIN * float(np.ptp(finite))
-            set_limits(float(finite.min()) - margin, float(finite.max()) + margin)
+        if finite.size:
+            low, high = float(finite.min()), float(finite.max())
+            margin = MARGIN * max(high - low, MIN_RANGE * max(abs(low), abs(high)))
+            set_limits(low - margin, high + margin)
     places = np.column_stack(_coordinates(result, finalists, across, up))
     labels = [finalist.file.stem.rpartition("_")[2] for finalist in result.finalists]
     # The labels fan out, in the order of the designs along the front.
@@ -343,7 +347,7 @@ def _stretch(set_scale: Callable[[str], None], axis: Any, values: Array) -> None
         return
     set_scale("log")
     axis.set_major_formatter("{x:g}")
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
+    axis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
     axis.set_minor_formatter(NullFormatter())
 
 

@@ -32,6 +32,7 @@ from ..fmu.archive import filled_xml
 from ..interface.variables import LOST_TO, PARAMETER, Group, with_causality
 from ..kernel.codes import ELASTIC
 from ..plots.mechanism import mechanism_figure
+from ..plots.panels import TITLE_PAD
 from ..plots.scenes import scene_figure
 from ..plots.studies import NAMED, chart_figure, order_figure
 from ..scene import Scene, SceneResult
@@ -186,7 +187,7 @@ def _scene_figure(result: SceneResult, rows: int | None = None) -> Figure:
     figure = scene_figure(result, rows)
     for axes in figure.axes:
         title = axes.get_title(loc="left").partition(": output")[0].partition(" (")[0]
-        axes.set_title(title, loc="left", pad=22)
+        axes.set_title(title, loc="left", pad=TITLE_PAD)
         legend = axes.get_legend()
         for text in legend.get_texts() if legend else ():
             text.set_fontsize(LEGEND_SIZE)
