@@ -236,7 +236,7 @@ MIN_RANGE, MARGIN = 0.01, 0.25
 def design_figure(result: DesignResult) -> Figure:
     """Draw a design: a single goal over the number of the design, or the other goals over the first.
 
-    The large panels show the Pareto front of the designs that satisfy all limits, the small panels all designs. A table below has
+    The large panels show the neighbourhood of the Pareto front, the small panels all designs. A table below has
     the goals of the numbered designs.
 
     Args:
@@ -281,8 +281,10 @@ def _coordinates(
 def _goals(panel: Axes, result: DesignResult, across: str | None, up: str, markersize: float = 5.0) -> None:
     """Draw one goal over another, or over the number of the design."""
     points = partial(_coordinates, result, across=across, up=up)
-    meets = [result.judge.meets(row) for row in result.rows]
-    groups = ("violates a limit", False, "0.8"), ("satisfies all limits", True, SKY)
+    margin = result.judge.spec.search.margin
+    meets = [result.judge.meets(row, margin) for row in result.rows]
+    limits = f"with a margin of {100.0 * margin:.3g} %" if margin else "without a margin"
+    groups = (("violates a limit", False, "0.8"), (f"satisfies all limits {limits}", True, SKY))
     for label, is_group, colour in groups:
         rows = [row for row, is_valid in zip(result.rows, meets, strict=True) if is_valid is is_group]
         panel.plot(*points(rows), ".", color=colour, markersize=markersize, label=label)
