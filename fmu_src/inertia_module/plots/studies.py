@@ -236,7 +236,7 @@ MIN_RANGE, MARGIN = 0.01, 0.25
 def design_figure(result: DesignResult) -> Figure:
     """Draw a design: a single goal over the number of the design, or the other goals over the first.
 
-    The large panels show the neighbourhood of the Pareto front, the small panels all designs. A table below has
+    The large panels show the region of the Pareto front, the small panels all designs. A table below has
     the goals of the numbered designs.
 
     Args:
