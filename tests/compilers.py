@@ -8,7 +8,7 @@ import pytest
 
 
 def system_compiler(flags=()):
-    """A C compiler of the system whose programs run with these flags; without one the test is skipped."""
+    """Return a C compiler of the system whose programs run with these flags; otherwise skip the test."""
     program = "int main(void) { return 0; }"
     for path in filter(None, map(shutil.which, ("gcc", "clang", "cc"))):
         command = [path, *flags, "-x", "c", "-", "-o", os.devnull]

@@ -5,16 +5,16 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-# the same examples each run; `pytest --hypothesis-profile=search` looks for new ones
+# Each run has the same examples; `pytest --hypothesis-profile=search` searches new ones.
 settings.register_profile("same", max_examples=40, deadline=None, derandomize=True, database=None)
 settings.register_profile("few", settings.get_profile("same"), max_examples=8)
 settings.register_profile("search", max_examples=400, deadline=None)
 settings.load_profile("same")
-# slow tests and cases of tests, by name: only `make test-long` runs them
+# Names of slow tests and cases; only `make test-long` runs them.
 LONG = frozenset(Path(__file__).with_name("long.txt").read_text(encoding="utf-8").splitlines())
-# whole files: other hosts, valgrind, sanitizers, Wine and QEMU, every page of the site
+# Slow files: other hosts, valgrind, sanitizers, Wine and QEMU, every page of the site.
 LONG_FILES = ("tests/native/", "tests/system/test_hosts.py", "tests/system/test_site.py")
-# tests/planted_changes.py sets this option: no translation
+# tests/planted_changes.py sets this option: no translation.
 ONLY_PLAIN = os.environ.get("INERTIA_MODULE_KERNEL") == "plain"
 
 
@@ -30,7 +30,7 @@ def compiled():
 
 @pytest.fixture(scope="session")
 def built(tmp_path_factory):
-    """Folder with all FMUs, the native ones for this platform alone: that takes half the time."""
+    """Return a folder with all FMUs; the native ones only for this platform, which takes half the time."""
     from inertia_module.fmu.builder import build
     from tests.ready import HERE
 
@@ -41,7 +41,7 @@ def built(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def fmu(built):
-    """The FMU of the module."""
+    """Return the FMU of the module."""
     return built / "InertiaModule.fmu"
 
 

@@ -1,4 +1,4 @@
-"""FMUs as files: their content, and FMUs with another one."""
+"""Functions for FMU archives: read their content and change it."""
 
 import zipfile
 
@@ -6,7 +6,7 @@ from inertia_module.fmu.archive import archive
 
 
 def files_of(path):
-    """Bytes by name."""
+    """Return the bytes by name."""
     with zipfile.ZipFile(path) as packed:
         return {name: packed.read(name) for name in packed.namelist()}
 
@@ -18,7 +18,7 @@ def with_content(path, content):
 
 
 def with_words(path, fmu, name, old, new):
-    """A copy of an FMU in which other bytes stand in one of its files, where these stood first."""
+    """Copy an FMU and replace the first occurrence of these bytes in one of its files."""
     content = files_of(fmu)
     assert old in content[name]
     return with_content(path, content | {name: content[name].replace(old, new, 1)})

@@ -1,4 +1,4 @@
-"""Do the tests notice? Single changes are planted in copies of the kernel, and tests run with each.
+"""Plant single changes in copies of the kernel, and run tests with each: do the tests fail?
 
     python tests/planted_changes.py -n 2                     all changes, each with the selection below
     python tests/planted_changes.py -k location tests/unit/test_crossings.py
@@ -21,16 +21,16 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "fmu_src" / "inertia_module"
-TIME_LIMIT = 400  # s a change: an endless run is noticed too
+TIME_LIMIT = 400  # s per change; an endless run counts as a failure
 QUIETLY = {"capture_output": True, "text": True}
-# tests by changed file of the kernel, and groups of tests
+# Tests by changed file of the kernel, and groups of tests.
 TESTS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-# file of the kernel, and a unique place in it: {original text|planted text}
+# File of the kernel, and a unique place in the file: {original text|planted text}.
 CHANGES = Path(__file__).with_suffix(".txt").read_text(encoding="utf-8").splitlines()
 
 
 def edited(change):
-    """The file of the kernel that a change is made in, and its text with the change."""
+    """Return the kernel file of a change, and its text with the change."""
     path, place = change.encode().decode("unicode_escape").split(": ", 1)
     old, new = (re.sub(r"{(.*?)\|(.*?)}", part, place) for part in (r"\1", r"\2"))
     source = (PACKAGE / "kernel" / path).read_text()
@@ -39,7 +39,7 @@ def edited(change):
 
 
 def planted(folder, change):
-    """Copy the package into a folder with this change made. Returns the folder."""
+    """Copy the package into a folder with this change, and return the folder."""
     path, source = edited(change)
     package = shutil.copytree(PACKAGE, folder / PACKAGE.name, ignore=shutil.ignore_patterns("__pycache__"))
     (package / "kernel" / path).write_text(source)
@@ -47,14 +47,14 @@ def planted(folder, change):
 
 
 def tests_of(change):
-    """The tests selected for a change, by the file that is changed."""
+    """Return the tests selected for a change by its file."""
     file = change.partition(":")[0]
     names = next(names for part, names in TESTS["selection"].items() if re.search(part, file))
     return [f"tests/unit/{name}" for name in names.format_map(TESTS["groups"]).split()]
 
 
 def noticed_by(change, selection):
-    """First test that fails with a change (without any, if it is empty), or "survived"."""
+    """Return the first test that fails with a change, or "survived"; an empty change plants nothing."""
     with tempfile.TemporaryDirectory() as folder:
         place = planted(Path(folder), change) if change else PACKAGE.parent
         environment = os.environ | {"INERTIA_MODULE_KERNEL": "plain", "PYTHONPATH": str(place)}

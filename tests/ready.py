@@ -1,4 +1,4 @@
-"""Build kernels, FMUs and the kernel of the page, so that the workers of pytest do not wait for them.
+"""Build kernels, FMUs and the kernel of the page, so that the workers of pytest do not wait.
 
 Run: python -m tests.ready; `make test` runs it in parallel with the build of the page.
 """
@@ -12,12 +12,12 @@ from inertia_module.compiling.targets import TARGETS, here
 from inertia_module.fmu.builder import FMUS, WEB_KERNEL, build
 from inertia_module.interface.models import MODELS
 
-# targets whose code goes into the library that this process would load: of macOS two
+# Targets whose code belongs to the library of this process: macOS has two.
 HERE = tuple(target for target in TARGETS if target.folder == here().folder)
 
 
 def make_ready():
-    """Fill the cache, side by side: the work is done in libraries and processes of others."""
+    """Fill the cache in parallel; libraries and other processes do the work."""
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor() as pool:
         tasks = [pool.submit(load, model) for model in MODELS.values()]
         tasks += [

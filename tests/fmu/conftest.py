@@ -1,4 +1,4 @@
-"""FMUs as an importer sees them: built once a session, driven through fmpy only."""
+"""Fixtures: FMUs, built once per session and called through fmpy."""
 
 import functools
 from pathlib import Path
@@ -13,12 +13,12 @@ from scenes import ELASTIC, REFERENCE
 from inertia_module.fmi.loading import Log, Slave, callbacks_of
 from inertia_module.fmu.builder import FMUS
 
-# FMUs of a test, unless its file defines FLAVOURS or the test uses the fixture model (all FMUs)
+# FMUs of a test, unless its file defines FLAVOURS or the test uses the fixture model (all FMUs).
 FLAVOURS = ("InertiaModule", "InertiaModule3", "InertiaModulePy")
 MODELS = {fmu.identifier: fmu.model for fmu in FMUS}
 R1 = REFERENCE
 BY_TORQUE = {"drive": 1, "input_inertia": 0.3}
-# each fidelity and method, by speed and, where that can make the motion, by torque
+# Each fidelity and method, driven by speed and, if the level supports it, by torque.
 LEVELS = {name: {"fidelity": 2, **level} for name, level in scenes.LEVELS.items()}
 LEVELS["rigid with losses"] = {"fidelity": 2, **scenes.ALL_LOSSES}
 LEVELS["elastic with losses"] = {**ELASTIC, **scenes.ALL_LOSSES, **scenes.WIND_UP}
@@ -41,13 +41,13 @@ def fmu_path(request, built):
 
 @pytest.fixture(scope="session")
 def model(fmu_path):
-    """The model the FMU is made from."""
+    """Return the model of the FMU."""
     return MODELS[fmu_path.stem]
 
 
 @pytest.fixture(scope="session")
 def opened(built, tmp_path_factory):
-    """Gives description and folder of an FMU by its identifier, unpacked once."""
+    """Return a function that gives description and folder of an FMU, unpacked once."""
 
     @functools.cache
     def of(identifier):
@@ -68,7 +68,7 @@ def unpacked(fmu_path, opened):
 
 
 class Instance:
-    """One instance over fmpy's calls, values by name."""
+    """An instance called through fmpy, with values by name."""
 
     def __init__(self, description, folder, **modes):
         self.references = {v.name: v.valueReference for v in description.modelVariables}
@@ -106,7 +106,7 @@ class Instance:
         return {name: self.get(name) for name in self.references}
 
     def saved(self):
-        """Its state, serialised."""
+        """Return the serialised state."""
         return self.fmu.serializeFMUstate(self.fmu.getFMUstate())
 
     def restore(self, saved):
@@ -123,14 +123,14 @@ class Instance:
         self.try_step(h)
         self.time += h
 
-    # as a model in memory has them
+    # These names are equal to the methods of a model in memory.
     advance, snapshot = step, all_values
 
     def try_step(self, h):
         self.fmu.doStep(self.time, h)
 
     def is_discarded(self, h):
-        """Try a step; True if it is answered by fmi2Discard."""
+        """Try a step; return True if fmi2Discard is the status."""
         try:
             self.try_step(h)
         except FMICallException as error:
@@ -157,7 +157,7 @@ class Instance:
         )
 
     def refusal(self, action, expected=fmi2Error):
-        """Return the message of a rejected action, which has an error or another expected status."""
+        """Return the message of a rejected action with an error or another expected status."""
         status = None
         self.log.warnings.clear()
         self.log.errors.clear()
@@ -169,14 +169,14 @@ class Instance:
         return "; ".join(self.log.warnings + self.log.errors)
 
     def close(self):
-        # the library stays: one of pythonfmu that is loaded again may abort the process at its end
+        # Keep the library loaded: a second load of a pythonfmu library may abort the process at its end.
         free = self.fmu.fmi3FreeInstance if self.is_fmi3 else self.fmu.fmi2FreeInstance
         free(self.fmu.component)
 
 
 @pytest.fixture
 def instances_of(opened):
-    """Makes instances of an FMU, in modes of FMI 3.0 if asked to, and frees them after the test."""
+    """Return a function that makes instances of an FMU, and free them after the test."""
     made = []
 
     def make(identifier, **modes):
@@ -190,7 +190,7 @@ def instances_of(opened):
 
 @pytest.fixture
 def instances(fmu_path, instances_of):
-    """Makes instances of the FMU of the test."""
+    """Return a function that makes instances of the FMU of the test."""
     return functools.partial(instances_of, fmu_path.stem)
 
 

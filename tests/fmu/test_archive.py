@@ -1,4 +1,4 @@
-"""The FMUs built, and the files in them as a host unpacks them: libraries, documentation, pictures."""
+"""Test the FMU archives and their unpacked files: libraries, documentation, icons."""
 
 import json
 import os
@@ -57,7 +57,7 @@ def test_archive_is_whole_and_unpacks_within_its_folder(fmu_path):
         assert ".." not in path.parts
         assert "\\" not in info.filename
         assert info.filename.isascii()
-        assert info.external_attr >> 16 == 0o644  # readable and nothing more
+        assert info.external_attr >> 16 == 0o644  # All users can read the file; nobody can execute it.
         assert info.compress_type == zipfile.ZIP_DEFLATED
     assert files_of(fmu_path)["documentation/licenses/license.txt"].startswith(b"MIT License")
 
@@ -100,7 +100,7 @@ def test_python_fmu_holds_its_source_and_the_compiled_kernel(built):
     assert inside == bundled_files().keys() | libraries
 
 
-# --- documentation and pictures, as a host shows them ---
+# --- documentation and pictures ---
 
 
 ICON = (200, 200)
@@ -108,7 +108,7 @@ ICON = (200, 200)
 
 def test_page_of_the_fmu_links_to_its_files_and_lists_every_variable(unpacked, model):
     folder = unpacked / "documentation"
-    # as XML, where every element is closed in its turn
+    # Close all elements, so that the text is XML.
     text = re.sub("<((meta|img|br|hr)[^>]*)>", r"<\1/>", (folder / "index.html").read_text(encoding="utf-8"))
     page = etree.fromstring(text)
     licences = {f"licenses/{path.name}" for path in (folder / "licenses").iterdir()}
@@ -138,13 +138,13 @@ def test_icon_is_a_square_with_the_machine_in_colours(unpacked, description):
         assert icon.size == ICON
         assert icon.mode == "RGBA"
         small = np.asarray(icon.resize((100, 100)))
-    assert 0.2 < (small[..., 3] > 128).mean() < 0.8  # neither empty nor a square of one colour
+    assert 0.2 < (small[..., 3] > 128).mean() < 0.8  # The icon is neither empty nor a square of one colour.
     assert len({tuple(pixel) for pixel in small[small[..., 3] == 255] // 32}) > 5
     with Image.open(unpacked / "documentation" / "mechanism.png") as picture:
         assert min(picture.size) > 2 * ICON[0]
 
 
-# --- another content is another FMU ---
+# --- an FMU with other content ---
 
 
 def test_rebuilt_fmu_is_reloaded(built, tmp_path):
@@ -159,7 +159,7 @@ def test_rebuilt_fmu_is_reloaded(built, tmp_path):
         before.advance(0.01)
 
 
-# --- builds: unchanged, current, parts that are rebuilt after a change ---
+# --- builds: unchanged files, current FMUs, parts that are rebuilt after a change ---
 
 
 def test_interrupted_build_keeps_the_old_files_only(built, tmp_path, monkeypatch):
@@ -175,7 +175,7 @@ def test_interrupted_build_keeps_the_old_files_only(built, tmp_path, monkeypatch
 
 
 def without(name):
-    """Change of an FMU: it loses a file."""
+    """Return a change of an FMU that deletes a file."""
     return lambda path: with_content(path, {n: data for n, data in files_of(path).items() if n != name})
 
 
@@ -240,7 +240,7 @@ def test_without_a_tool_the_python_fmu_is_built_and_the_rest_is_skipped_with_the
 
     version = metadata.version
     monkeypatch.setattr(metadata, "version", installed)
-    monkeypatch.setitem(sys.modules, missing, None)  # so it is not found
+    monkeypatch.setitem(sys.modules, missing, None)  # The import then fails.
     done = command("build", "-o", tmp_path, *options)
     assert done.exit_code == 1
     reasons = re.findall("^skipped (.*?): (.*)", done.stderr, re.M)
@@ -271,9 +271,9 @@ def test_build_reports_progress_and_skips_a_failed_platform(tmp_path, monkeypatc
     assert built.skipped["InertiaModule for aarch64-linux-gnu"] == "no such processor"
 
 
-# --- the same source and tools give the same bytes, whoever builds it, where and when; others give others ---
+# --- reproducible builds: the same bytes for the same source and tools ---
 
-# builds whose compilers make nothing but a word: "old", and after each change "new"
+# The compilers of these builds write a word: "old" and, after each change, "new".
 BUILDS = """
 import json
 import os
@@ -324,7 +324,7 @@ OTHER_FIELDS = """
 first, *others = SHAFT_FMU.model.records
 vars(SHAFT_FMU.model)["records"] = (first[::-1], *others)
 """
-# parts that are rebuilt after a change of a file of the package
+# Parts that are rebuilt after a change of a file of the package.
 FILES = {
     "kernel/inertia.py": ALL,
     "interface/records.py": ALL,
@@ -335,10 +335,10 @@ FILES = {
     "compiling/targets.py": ALL,
     "fmu/shell/values.c": LINKED,
     "compiling/kernel.h": ALL,
-    # table of variables: depends on the fields of the records, not on its texts
+    # The table of variables depends on the fields of the records, not on its texts.
     "interface/variables.py": set(),
 }
-# and with another tool, and the code that makes it another
+# Parts that are rebuilt after a change of a tool or its code.
 TOOLS = {
     "Python": (set(), "import platform; platform.python_version = lambda: '3.99.0'"),
     "ziglang": (ALL, OTHER_VERSION.format("ziglang")),
@@ -364,7 +364,7 @@ def test_files_do_not_depend_on_user_and_folder(built_for_all, tmp_path):
     moved, cache, other = (tmp_path / name for name in ("moved", "cache", "other"))
     shutil.copytree(PACKAGE_FOLDER, moved / PACKAGE_FOLDER.name, ignore=shutil.ignore_patterns("__pycache__"))
     cache.mkdir()
-    # everything is built again, except the libraries of the compiler
+    # Build all parts again, except the libraries of the compiler.
     (cache / "zig").symlink_to(cache_folder() / "zig")
     own = {"INERTIA_MODULE_CACHE": str(cache), "PYTHONPATH": str(moved)}
     elsewhere(tmp_path / "user", "-m", "inertia_module", "build", "-o", str(other), **own)

@@ -17,35 +17,35 @@ from inertia_module.fmu.linking import header_folder
 from inertia_module.interface.models import DRIVEN_SHAFT
 from tests.ready import HERE
 
-lief.logging.disable()  # otherwise it prints a warning for every empty table
+lief.logging.disable()  # Otherwise lief prints a warning for each empty table.
 
 NATIVE = [fmu for fmu in FMUS if fmu is not PYTHON_FMU]
-# this platform, and those that it takes long to build for
+# This platform is fast to build; the others are slow.
 PLATFORMS = [
     pytest.param(target, marks=[] if target in HERE else pytest.mark.slow, id=target.label)
     for target in TARGETS
 ]
-# of model exchange
+# Functions of model exchange.
 LEFT_OUT = {
     *("EnterEventMode", "NewDiscreteStates", "EnterContinuousTimeMode", "CompletedIntegratorStep", "SetTime"),
     *("SetContinuousStates", "GetDerivatives", "GetEventIndicators", "GetContinuousStates"),
     "GetNominalsOfContinuousStates",
 }
 PROCESSORS = {"x86_64": "X86_64", "aarch64": "ARM64"}
-# Apple's kern/cs_blobs.h
+# See Apple's kern/cs_blobs.h.
 SIGNATURE, CODE_DIRECTORY, AD_HOC = 0xFADE0CC0, 0xFADE0C02, 2
 
 
 def required_by(fmi):
-    """Functions from the header of FMI: of 2.0 those for co-simulation; of 3.0 hosts look for all."""
+    """Return the required functions of the FMI header: co-simulation of 2.0, all of 3.0."""
     text = (header_folder() / f"fmi{fmi}FunctionTypes.h").read_text()
     names = set(re.findall(rf"\bfmi{fmi}(\w+)TYPE\b", text)) - (LEFT_OUT if fmi == 2 else set())
     return {f"fmi{fmi}{name}" for name in names}
 
 
 def read(path, processor="X86_64"):
-    """Library read by lief: names it needs and offers, and sections its loader writes addresses to."""
-    whole = lief.MachO.parse(str(path))  # which has to stay as long as a part of it
+    """Read a library with lief: its imported and exported names, and its relocated sections."""
+    whole = lief.MachO.parse(str(path))  # This object must live as long as its parts.
     if path.suffix == ".dylib":
         (binary,) = (part for part in whole if part.header.cpu_type.name == processor)
         assert binary.header.file_type == lief.MachO.Header.FILE_TYPE.DYLIB
@@ -76,13 +76,13 @@ def read(path, processor="X86_64"):
 
 
 def glibc_versions(library):
-    """Versions of the symbols of Linux that a library needs."""
+    """Return the versions of the Linux symbols that a library requires."""
     needed = library.binary.symbols_version_requirement
     return {symbol.name for part in needed for symbol in part.get_auxiliary_symbols()}
 
 
 def is_ad_hoc(signature):
-    """True if a signature of macOS holds a directory of the code, marked as ad hoc."""
+    """Return True if a macOS signature contains a code directory marked as ad hoc."""
     magic, _, count = struct.unpack_from(">III", signature)
     assert magic == SIGNATURE
     blobs = dict(struct.unpack_from(">II", signature, 12 + 8 * n) for n in range(count))
@@ -107,7 +107,7 @@ def test_library_requires_only_its_platform_and_exports_fmi(fmu, target, request
     required = required_by(fmu.fmi)
     assert required | {"inertiaModuleRun"} <= library.offers
     if target.suffix == ".so":
-        # glibc of 2012, and the loader, which changes no code
+        # The libraries of glibc 2012, and the loader.
         assert library.needs <= {"libc.so.6", "libm.so.6", "ld-linux-aarch64.so.1"}
         versions = {tuple(map(int, name[len("GLIBC_") :].split("."))) for name in glibc_versions(library)}
         assert max(versions) <= (2, 17)

@@ -1,4 +1,4 @@
-"""Unpacked copies of FMUs: one for each content, complete or not there, and no temporary files."""
+"""Test unpacked copies of FMUs: one copy per content, complete or absent, and no temporary files."""
 
 import errno
 import os
@@ -26,7 +26,7 @@ POOL = "import multiprocessing\nwith multiprocessing.get_context({!r}).Pool(2) a
 POOL += (
     "print(pool.map_async(eval, ['__import__(\"inertia_module\").Fmu(' + repr(other) + ').time'] * 4).get())"
 )
-# how a process with instances that nobody closes may end, and its exit code
+# Ends of a process with open instances, and its exit codes.
 ENDS = {
     "at its end": ("", 0),
     "by an error": ("1 / 0", 1),
@@ -38,7 +38,7 @@ ENDS = {
     "with a pool of forked ones": (POOL.format("fork"), 0),
     "with a pool of spawned ones": (POOL.format("spawn"), 0),
 }
-# it waits until a signal ends it
+# The process waits for a signal.
 WAITS = (
     "import sys, time, inertia_module.cli.program as cli;"
     "cli.app = lambda: (print('ready', flush=True), time.sleep(60)); cli.main()"
@@ -47,7 +47,7 @@ WAITS = (
 
 @pytest.fixture
 def temporary(tmp_path, monkeypatch):
-    """The folder of temporary files, here and of processes, which is empty."""
+    """Return the empty folder of temporary files, for this process and its children."""
     folder = tmp_path / "temporary"
     folder.mkdir()
     monkeypatch.setattr("tempfile.tempdir", str(folder))
@@ -57,14 +57,14 @@ def temporary(tmp_path, monkeypatch):
 
 @pytest.fixture
 def place(tmp_path, monkeypatch, temporary):
-    """The folder of the copies, which is not there yet."""
+    """Return the folder of the copies, which does not exist yet."""
     monkeypatch.setenv("INERTIA_MODULE_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(copies, "_checked", set())
     return tmp_path / "cache" / "unpacked"
 
 
 def names(place):
-    """Names of the copies, which are all complete."""
+    """Return the names of the copies and check that all are complete."""
     folders = [folder.name for folder in place.iterdir()]
     assert all(re.fullmatch("[0-9a-f]{32}", name) for name in folders), folders
     return folders
@@ -193,7 +193,7 @@ def test_copies_unused_for_days_are_removed(fmu, built, place):
         (folder / "resources").mkdir(parents=True)
     for folder in (old, unfinished, recent):
         os.utime(folder, (before, before))
-    Fmu(fmu).close()  # which renews it
+    Fmu(fmu).close()  # This call renews the copy.
     Fmu(built / "DrivenShaft.fmu").close()
     assert {folder.name for folder in place.iterdir()} >= {recent.name, young.name}
     assert not old.exists()

@@ -1,4 +1,4 @@
-"""Derivatives of inputs and outputs of the native FMUs, against the motion itself."""
+"""Test derivatives of inputs and outputs of the native FMUs with finite differences."""
 
 import math
 from itertools import product
@@ -29,14 +29,14 @@ def level(request):
     return LEVELS[request.param]
 
 
-# the swings of a stiff shaft are not
+# Levels without a stiff shaft, which oscillates.
 @pytest.fixture(params=[name for name in LEVELS if not name.startswith("stiff")])
 def followed(request):
     return LEVELS[request.param]
 
 
 def outputs_after(instances, settings, h, inputs, names, tolerance=1e-12):
-    """Outputs after some steps, inputs or tunable parameters of the last one given."""
+    """Return the outputs after some steps; the last step sets inputs or tunable parameters."""
     instance = instances().start(tolerance=tolerance, **START | settings)
     for _ in range(4):
         instance.step(0.01)
@@ -45,7 +45,7 @@ def outputs_after(instances, settings, h, inputs, names, tolerance=1e-12):
     return [instance.get(name) for name in names]
 
 
-# FMI 3.0 uses the same core; the tests below cover its own calls
+# FMI 3.0 uses the same core; the tests below cover its own calls.
 @pytest.mark.fmi2
 def test_directional_derivative_is_the_derivative_of_the_last_step(instances, level):
     instance, exact = (instances().start(tolerance=n, **START, **level) for n in (1e-6, 1e-12))
@@ -66,10 +66,10 @@ def test_directional_derivative_is_the_derivative_of_the_last_step(instances, le
         for name, derivative, high, low in zip(UNKNOWNS, derivatives, *ends, strict=True):
             expected = (high - low) / (2.0 * delta)
             stiff = level.get("shaft_stiffness") == 1e8
-            # A stiff shaft swings: a tenfold delta changes the difference of omega2 by omega2 / omega1
+            # A stiff shaft oscillates: a tenfold delta changes the difference of omega2 by omega2 / omega1.
             scale = max(abs(expected), (0.2 if stiff else 1e-3) * abs(high) / START[variable])
-            # The reference starts its last step from a state of another tolerance: a stiff shaft is elsewhere
-            # in its swings there
+            # The reference starts its last step from a state of another tolerance. The phase of a stiff shaft
+            # therefore differs.
             stiff_share = 5e-2 if variable == "drive_torque" else 1e-2
             share = stiff_share if stiff else 2e-3
             assert derivative == pytest.approx(expected, abs=share * scale + 1e-9), (name, variable, h)
@@ -89,11 +89,11 @@ def test_directional_derivative_after_a_parameter_is_tuned_is_with_its_new_value
     assert derivatives[0] == pytest.approx(derivatives[1], rel=1e-4)
 
 
-# values of tunable parameters: what is lost at 0 becomes more alone
+# Values of tunable parameters. A loss that is 0 can only increase.
 TUNABLE = {
     "rigid": dict.fromkeys(("windage", "housing_drag"), 0.0) | {"journal_friction": 1e-3},
     "elastic with losses, by torque": TUNED | {"windage": 1e-4, "freewheel_damping": 1.0},
-    # each map with losses takes seconds
+    # Each map with losses takes seconds.
     "averaged": {"link2_friction": 0.01, "output_friction": 0.01},
     "kinematic": {"kinematic_ratio": 0.3},
 }
@@ -103,7 +103,7 @@ TUNABLE = {
 def test_directional_derivative_by_a_tunable_parameter_equals_a_difference_of_runs(instances, level):
     settings = ALL_LEVELS[level] | TUNABLE[level]
     instance, alone = (instances().start(tolerance=1e-6, **START | settings) for _ in range(2))
-    for parameter in TUNABLE[level]:  # of the start
+    for parameter in TUNABLE[level]:  # At the start.
         instance.directional(UNKNOWNS, (parameter,), (1.0,))
     for h in (0.01, 0.01, 0.01, 0.01, 0.02):
         for each in (instance, alone):
@@ -157,7 +157,7 @@ def check_rates(plant, rates, h, rel):
         assert rate == pytest.approx(expected, rel=rel, abs=1e-9 * (1.0 + abs(first)) / h), name
 
 
-# speed of link 1, torque on it and load; of the pulling ones alone link 1 is at rest or turns already
+# Speed of link 1, torque on it and load. Under a pulling load link 1 is at rest or already turns.
 STANDING = {
     f"link 1 {state}, load {load:g}": {"omega1": speed, "drive_torque": torque, "load_torque": load}
     for state, speed, torque in (("turns", 100.0, 20.0), ("starts", 0.0, 20.0), ("rests", 0.0, 0.0))
@@ -168,7 +168,7 @@ STANDING = {
 
 @pytest.mark.parametrize("state", [*STANDING, "in a pulse"])
 def test_rates_of_outputs_agree_with_the_next_step(compiled, followed, state, instances_of):
-    """Of a standing shaft, and in the middle of a pulse, far from a switch."""
+    """Test a shaft at rest, and the middle of a pulse, far from a switch."""
     no_rate = ("_mean", "_peak", "output_angle", "output_turns")
     for angle in (0.0, 3.15):
         settings = followed | STANDING.get(state, START)
@@ -181,7 +181,7 @@ def test_rates_of_outputs_agree_with_the_next_step(compiled, followed, state, in
         speeds |= dict.fromkeys(("output_flange_angle", "output_angle"), module["omega_out"])
         assert rates.items() >= speeds.items()
         check_rates(module, {n: rate for n, rate in rates.items() if not n.endswith(no_rate)}, 1e-6, 1e-4)
-    if followed["fidelity"] != 1 or state not in STANDING:  # its map takes long
+    if followed["fidelity"] != 1 or state not in STANDING:  # The map is slow.
         for identifier in FLAVOURS:
             instance = instances_of(identifier).start(tolerance=1e-10, **settings)
             if state not in STANDING:
@@ -193,7 +193,7 @@ def test_rates_of_outputs_agree_with_the_next_step(compiled, followed, state, in
 def test_rate_of_the_output_speed_in_lock_up_follows_from_the_load(instances, followed, load):
     if followed["fidelity"] < 2:
         pytest.skip("only pulses lock up")
-    # the output freewheel is on the verge of slip: even the shortest trial step may meet a switch
+    # The output freewheel is at the limit of slip: even the shortest trial step may contain a switch.
     locked = {"omega2_start": 100.0, "omega_out_start": 100.0, "load_torque": load, "drive_torque": 0.0}
     instance = instances().start(tolerance=1e-10, **START | followed | locked)
     carried = 0.5 if followed["fidelity"] == 3 else 0.505
@@ -236,7 +236,7 @@ def test_absurd_rates_are_discarded(instance, name, rate):
             lambda i: i.directional(("omega2",), ("omega2",), (1.0,)),
             "to an input or a tunable parameter (got ",
         ),
-        # a known at the start alone
+        # This known can change only at the start.
         (lambda i: i.directional(("omega2",), ("a",), (1.0,)), "to an input or a tunable parameter (got "),
         (
             lambda i: i.directional(("omega2",), ("omega1",), (math.nan,)),

@@ -15,18 +15,18 @@ from inertia_module.interface.variables import INPUT, PARAMETER, REAL
 from .conftest import MODELS
 
 FLAVOURS = tuple(MODELS)
-# names of types in FMI 3.0, where they are others
+# Names of types that differ in FMI 3.0.
 TYPES = {REAL: "Float64", "Integer": "Int32"}
 BASE = {
     INERTIA_MODULE: {
         **{"omega1": 80.0, "load_torque": 5.0, "drive_torque": 7.0, "input_inertia": 0.1},
         **{"omega_out_start": 3.0, "omega2_start": 1.0},
-        # 0 is rigid, and the smallest stiffness is far from it
+        # A stiffness of 0 is rigid, and the smallest valid stiffness is far away.
         **{"housing_stiffness": 4e3, "freewheel_stiffness": 5e3},
     },
     DRIVEN_SHAFT: {"hub_speed": 80.0, "load_torque": 5.0, "omega_out_start": 3.0, "shaft_damping": 2.0},
 }
-# of the parameters that the map of fidelity averaged depends on those that are not tried there
+# Parameters of the averaged map that this test omits.
 OF_MAP = set(variables.MAP_KEY) - {"wheel_radius", "z17", "epsilon", "link2_inertia", "satellites"}
 STARTS = {
     INERTIA_MODULE: [
@@ -104,11 +104,11 @@ def test_choices_are_enumerations_with_their_numbers(description, model):
         items = variables.ENUMERATIONS[name]
         (result,) = [t for t in description.typeDefinitions if t.name == name]
         assert [(item.name, int(item.value)) for item in result.items] == [(i, n) for i, n, _ in items]
-        assert [number for _, number, _ in items] == list(range(len(items)))  # the shell checks ranges
+        assert [number for _, number, _ in items] == list(range(len(items)))  # The shell checks ranges.
 
 
 def dependencies(description):
-    """Dependencies of the outputs at the start, by name."""
+    """Return the dependencies of the outputs at the start, by name."""
     return {u.variable.name: {d.name for d in u.dependencies} for u in description.initialUnknowns}
 
 
@@ -136,12 +136,12 @@ def test_structure_lists_outputs_and_their_initial_dependencies(description, mod
 
 @pytest.fixture(scope="module", params=["InertiaModule3", "DrivenShaft3"])
 def of_fmi3(request, opened):
-    """Description and folder of an FMU of FMI 3.0."""
+    """Return description and folder of an FMU of FMI 3.0."""
     return opened(request.param)
 
 
 def neighbours(variable, value):
-    """Two values of a variable: close on both sides of one, or of a whole number it and another."""
+    """Return two values of a variable: close on both sides, or the whole number and its neighbour."""
     if variable.kind == variables.BOOLEAN:
         return value, not value
     if variable.kind != REAL:
@@ -164,14 +164,14 @@ def test_declared_initial_dependencies_agree_with_derivatives(of_fmi3, instances
         averaged = start.get("fidelity") == 1
         for variable in model.with_causality(INPUT, PARAMETER):
             if averaged and (variable.group == variables.Group.LOSSES or variable.name in OF_MAP):
-                continue  # each of them takes a map of its own
+                continue  # Each value needs another map.
             value = second.get(variable.name)
             ends, rows = neighbours(variable, value), []
             for end in ends:
                 second.set(**{variable.name: end})
                 try:
                     rows.append([second.get(name) for name in initial])
-                except FMICallException:  # it does not go with the others
+                except FMICallException:  # The value contradicts other parameters.
                     assert variable.kind != REAL or variable.name.endswith("engagement_angle")
             second.set(**{variable.name: value})
             if len(rows) < 2:
@@ -198,8 +198,8 @@ def test_capabilities_default_experiment_and_date_are_declared(description, mode
     assert cs.canGetAndSetFMUstate
     assert cs.canSerializeFMUstate
     assert not cs.canBeInstantiatedOnlyOncePerProcess
-    assert not cs.needsExecutionTool  # PyFMI rejects FMUs with an execution tool; Python is a library
-    # the Python FMU can no more than pythonfmu
+    assert not cs.needsExecutionTool  # PyFMI rejects FMUs with an execution tool; Python is a library.
+    # The Python FMU has the capabilities of pythonfmu.
     native = description.modelName != "InertiaModulePy"
     if is_fmi3(description):
         assert cs.providesAdjointDerivatives
@@ -217,13 +217,13 @@ def test_capabilities_default_experiment_and_date_are_declared(description, mode
     assert moment.year >= 2026
 
 
-# --- terminals of FMI 3.0: flanges that fit each other ---
+# --- terminals of FMI 3.0: matching flanges ---
 
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
 
 
 def terminals_in(folder):
-    """(variable, kind) by member, by terminal, of an unpacked FMU."""
+    """Return (variable, kind) by member, by terminal, of an unpacked FMU."""
     tree = etree.parse(str(folder / "terminalsAndIcons" / "terminalsAndIcons.xml"))
     assert etree.XMLSchema(file=str(SCHEMA)).validate(tree)
     return {
@@ -300,14 +300,14 @@ def test_direction_of_power_at_flanges_agrees_with_their_kind(of_fmi3, instances
 
 
 def test_matching_terminals_are_connected_like_names(opened):
-    """So coupled by the FMU Manipulation Toolbox, module and shaft have the bits of any other host."""
+    """The FMU Manipulation Toolbox uses these connections and then has the bits of other hosts."""
     (module, folder), (_, other_folder) = opened("InertiaModule3"), opened("DrivenShaft3")
     flange, hub = terminals_in(folder)["output_flange"], terminals_in(other_folder)["hub"]
     causality = {variable.name: variable.causality for variable in module.modelVariables}
     wires = set()
-    for member in flange.keys() & hub.keys():  # of each, one end is an output
+    for member in flange.keys() & hub.keys():  # One of both ends is an output.
         (own, kind), (there, kind_there) = flange[member], hub[member]
-        assert (kind, kind_there) in (("signal", "signal"), ("outflow", "inflow"))  # no sign changes
+        assert (kind, kind_there) in (("signal", "signal"), ("outflow", "inflow"))  # The signs are equal.
         ends = [("module", own), ("shaft", there)]
         wires.add(tuple(ends if causality[own] == "output" else ends[::-1]))
     assert wires == {

@@ -9,7 +9,7 @@ from inertia_module.kernel.codes import DRIVING, FREE
 from .conftest import BY_TORQUE, LEVELS, R1
 
 FLAVOURS = ("InertiaModule3",)
-# levels of fidelity whose steps stop at switches
+# Levels of fidelity whose steps stop at switches.
 BY_EVENTS = [name for name in LEVELS if name.startswith(("rigid", "elastic"))]
 
 
@@ -32,7 +32,7 @@ def started(instances, event_mode=True, **settings):
 
 
 def run(instance, step, count, seen=lambda: None, event_mode=True, handle=handle_event):
-    """Steps of a host that goes on where the FMU returns early; times of the returns."""
+    """Run the steps of a host that continues after an early return; return the times of the returns."""
     times = []
     for n in range(1, count + 1):
         reached = (n - 1) * step
@@ -61,7 +61,7 @@ def test_events_are_the_125_switches_of_r1_each_at_its_time(instances, instances
         assert mode != next_mode
         assert next_count == count + 1.0
         assert next_speeds == speeds
-    # a host of FMI 2.0 sees the same number of them before each communication point
+    # An FMU of FMI 2.0 counts the same number of switches before each communication point.
     other = instances_of("InertiaModule").start(**R1)
     for n in range(1, 1001):
         other.step(1e-3)
@@ -86,7 +86,7 @@ def test_torque_is_seen_before_and_after_an_event(instances):
             opened.append(before)
         if next_mode == DRIVING:
             jumps.append(after - before)
-    # the output freewheel opens where its torque has come to zero, and closes with a jump
+    # The output freewheel opens at zero torque and closes with a jump.
     assert len(opened) > 1
     assert max(map(abs, opened)) < 1e-3
     assert max(jumps) > 1.0
@@ -98,7 +98,7 @@ def test_a_host_may_go_on_without_event_mode(instances, settings):
     passing, ignoring = (started(instances, event_mode=mode, **settings) for mode in (True, False))
     assert run(passing, 0.01, 20) == run(ignoring, 0.01, 20, event_mode=False)
     assert passing.all_values() == ignoring.all_values()
-    # one that was made for it, and steps on all the same
+    # An instance with event mode that ignores events.
     careless = started(instances, **settings)
     run(careless, 0.01, 20, handle=lambda instance: None)
     assert careless.get("omega_out") == passing.get("omega_out")
@@ -130,11 +130,11 @@ def test_discrete_values_change_in_event_mode_only_and_only_events_return_early(
                 handle_event(instance)
             assert event == ([instance.get(name) for name in names] != held)
             changes += event
-        # without early return a switch is an event at the end of the step
+        # Without early return a switch is an event at the end of the step.
         assert early or instance.all_values() == plain.all_values()
     assert (changes > 0) == (not level.startswith(("kinematic", "averaged")))
     assert (returns > 5) == (early and level in BY_EVENTS)
-    # those change nothing beyond the tolerance
+    # Events change nothing beyond the tolerance.
     for name in ("omega2", "omega_out", "input_speed", "energy_in", "energy_out"):
         assert instance.get(name) == pytest.approx(plain.get(name), rel=1e-5, abs=1e-4), name
     assert instance.get("contact_switches") == pytest.approx(plain.get("contact_switches"), abs=1)
@@ -209,18 +209,18 @@ def test_intermediate_update_reports_every_switch_without_changing_the_run(insta
 
 
 def times_of_updates(instances, step, **settings):
-    """Times of the intermediate updates within a step, and whether it is taken."""
+    """Return the times of the intermediate updates within a step, and True if the step succeeds."""
     times = []
 
     def update(_, time, *modes):
-        if not modes[2]:  # finished
+        if not modes[2]:  # Test the flag for a finished step.
             times.append(time)
 
     return times, not instances(intermediateUpdate=update).start(**R1, **settings).is_discarded(step)
 
 
 def test_intermediate_updates_of_a_long_step_are_spread_over_it(instances):
-    times, is_taken = times_of_updates(instances, 100.0)  # some 12,000 switches
+    times, is_taken = times_of_updates(instances, 100.0)  # The run has some 12,000 switches.
     assert is_taken
     assert 1500 < len(times) <= 2000
     first = times_of_updates(instances, 1.0)[0]

@@ -1,4 +1,4 @@
-"""An FMU by names: what goes wrong is one kind of error and one sentence, and nothing is lost."""
+"""Test an FMU by names of variables: each error is one sentence, and the instance continues."""
 
 import numpy as np
 import pytest
@@ -37,7 +37,7 @@ def test_state_of_another_instance_is_rejected_and_an_unused_state_is_freed(fmu,
     del forgotten
     assert not state.value
     with Fmu(fmu_path, inputs=R1) as other:
-        left = other.get_state()  # which goes with it
+        left = other.get_state()  # The state is freed with the instance.
         for wrong in (left, None):
             assert "a state must be from get_state of this instance" in refusal(fmu.set_state, wrong)
     fmu.advance(0.01)
@@ -194,7 +194,7 @@ def test_unknown_columns_are_ignored_with_a_warning(fmu_path, tmp_path):
     assert_refused(
         r"rig\.csv line 4: omega1 must be a finite number \(got ''\)$", run, fmu_path, tmp_path / "rig.csv"
     )
-    # not of a file
+    # Tables in memory reject unknown names, unlike files.
     assert_refused("unknown input or output 'note'", run, fmu_path, {"omega1": 100.0, "note": 1.0})
 
 

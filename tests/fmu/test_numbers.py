@@ -26,7 +26,7 @@ SCENES = {
     },
 }
 SHAFTS = ({}, {"input_hold": 1, "balancer": 1.0, "driven_friction": 0.4})
-# steps of a drive
+# Number of steps of a run.
 COUNT = 12
 SPRUNG = {"driven_friction": 0.2, "balancer": 0.3}
 
@@ -47,7 +47,7 @@ def test_tolerance_of_the_experiment_overrides_the_parameter(instances, instance
 
 
 def driven(target, first=0):
-    """All values after each of some uneven steps with inputs that change."""
+    """Return all values after each of some steps of different size, with changing inputs."""
     rows = []
     for n in range(first, first + COUNT):
         if "hub_speed" in target.snapshot():
@@ -61,9 +61,9 @@ def driven(target, first=0):
 
 
 def check_bits_and_state(instances, memory, settings, tuned):
-    """The FMU has the bits of the model in memory, and its state, tuned on the way, kept or serialised, runs on.
+    """Check that FMU and model in memory have the same bits, also after tuned, saved and serialised states.
 
-    Beside it another instance runs in its own way.
+    Another instance runs independently at the same time.
     """
     instance, other, beside = instances(), instances(), instances().start(load_torque=1.0)
     for each in (instance, memory):
@@ -92,7 +92,7 @@ def test_fmu_is_the_module_in_memory_and_so_is_its_state(instances, scene, level
     if name.startswith("averaged") and scene == "no freewheels":
         pytest.skip("averaged takes both freewheels, and by torque no losses")
     start = {"tolerance": 1e-8, **R1, "drive_torque": 30.0, **SCENES[scene], **settings}
-    tuned = SPRUNG if name.startswith("averaged") else TUNED  # a map with losses takes seconds
+    tuned = SPRUNG if name.startswith("averaged") else TUNED  # A map with losses takes seconds.
     check_bits_and_state(instances, Module(), start, tuned)
 
 

@@ -1,4 +1,4 @@
-"""The Python FMU in folders of any name and in other hosts, where pythonfmu alone crashes."""
+"""Test the Python FMU in folders of any name, and in hosts in which pythonfmu alone crashes."""
 
 import ctypes
 import math
@@ -22,7 +22,7 @@ from .conftest import R1
 
 FLAVOURS = ("InertiaModulePy",)
 FOLDERS = ["Jürgen Müller 日本 #3", "a%41b 100%25 100% off", "ends in %"]
-# pythonfmu 0.7 writes to freed memory at the exit of the process: leave without one
+# pythonfmu 0.7 writes to freed memory at the exit of the process: skip this exit.
 DRIVE = """
 import os, sys
 for name in {blocked!r}:
@@ -41,13 +41,13 @@ os._exit(0)
 
 
 def drive(path, blocked=(), **environment):
-    """Lines that a process prints that runs the FMU, some modules not installed; a crash fails the test."""
+    """Run the FMU in a process that lacks some modules; return the printed lines and fail after a crash."""
     code = DRIVE.format(path=str(path), blocked=list(blocked))
     return process("-c", code, **environment).stdout.splitlines()
 
 
 def test_runs_its_compiled_kernel_or_plain_python(fmu_path, tmp_path):
-    """On a host with no compiler, in a folder of any name, with the same bits."""
+    """Without a compiler, in a folder of any name, the results have the same bits."""
     cache = tmp_path / "cache"
     expected = drive(fmu_path, ("ziglang",), INERTIA_MODULE_CACHE=str(cache))
     assert expected[0] == "the kernel is compiled"
@@ -97,7 +97,7 @@ def test_two_builds_run_in_a_process(monkeypatch, tmp_path, fmu_path):
 
 
 def instantiated(description, folder, location, name=b"host", guid=None, logger=None):
-    """An FMU with an instance, or with none (component is None), and the log of the host."""
+    """Return an FMU with an instance or without one (component is None), and the log of the host."""
     fmu = FMU2Slave(
         guid=guid or description.guid,
         unzipDirectory=str(folder),
@@ -115,12 +115,12 @@ def instantiated(description, folder, location, name=b"host", guid=None, logger=
 
 @pytest.fixture
 def location(unpacked):
-    """URI of the resources."""
+    """Return the URI of the resources."""
     return (unpacked / "resources").as_uri().encode()
 
 
 def messages_at(location, description, folder):
-    """Message to a host that gives a location of the resources; None if an instance is made."""
+    """Return the message to a host that gives this location of the resources; None without an error."""
     fmu, log = instantiated(description, folder, location)
     if fmu.component:
         fmu.fmi2FreeInstance(fmu.component)
@@ -131,7 +131,7 @@ def messages_at(location, description, folder):
 
 @pytest.fixture(params=["plain", "Jürgen 100%"])
 def moved(request, unpacked, tmp_path):
-    """The FMU unpacked, by way of a link from a folder of another name."""
+    """Return the FMU unpacked, reached through a link from a folder of another name."""
     link = tmp_path / request.param
     link.symlink_to(unpacked, target_is_directory=True)
     return link
@@ -172,7 +172,7 @@ def test_invalid_resource_location_is_rejected(description, unpacked, location):
     assert message.startswith("the resource location must be the URI of")
 
 
-# Latin-1, a lone surrogate, more than Python takes for a file name, formats of printf
+# Latin-1, a lone surrogate, a text longer than a file name, formats of printf.
 NAMES = {
     "Latin-1": b"J\xfcrgen",
     "no text": b"\xff\xfe\xed\xa0\x80",
@@ -192,7 +192,7 @@ def test_instance_name_in_any_encoding_is_part_of_messages(description, unpacked
     fmu.exitInitializationMode()
     fmu.doStep(0.0, 0.1)
     fmu.fmi2FreeInstance(fmu.component)
-    # the kernel, and the call out of order
+    # The kernel and the call out of order each write a message.
     assert names == 2 * [name]
 
 
@@ -213,7 +213,7 @@ def test_log_contains_the_enabled_categories(fmu_path):
         assert fmu.messages == []
 
 
-# numbers of the kernel's records that are an index or a choice
+# Numbers of the kernel's records that are an index or a choice.
 CHOICES = [
     *(("parameters", "fidelity"), ("parameters", "layout"), ("parameters", "method")),
     ("state", "mode"),
@@ -240,7 +240,7 @@ def test_forged_or_early_state_is_rejected_without_effect(instances):
     fresh, running = instances(), instances().start(omega1=100.0)
     for state, byte, value, words in (
         *((running.saved(), *forged, NO_STATE) for forged in ((0, 5), (0, 255), (17, 200), (20, 255))),
-        (fresh.saved(), 0, 2, "must be saved after the start"),  # as if it were initialised
+        (fresh.saved(), 0, 2, "must be saved after the start"),  # a forged flag: initialised
     ):
         changed = bytes([*state[:byte], value, *state[byte + 1 :]])
         assert running.refusal(partial(running.restore, changed)).endswith(words)
@@ -259,7 +259,7 @@ def test_restored_state_of_initialization_mode_is_evaluated_again(instance):
 
 
 def memory_in_use():
-    """Memory of this process in use now, bytes."""
+    """Return the memory in use of this process, bytes."""
     return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
@@ -268,7 +268,7 @@ has_statm = pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="th
 
 @has_statm
 def test_saving_and_deserialising_over_a_state_takes_no_more_memory(instance):
-    """A state has 100 kB: 2,000 lost ones would take 200 MB."""
+    """A state has 100 kB: 2,000 leaked states would take 200 MB."""
     instance.start(omega1=100.0)
     library, component = instance.fmu.dll, ctypes.c_void_p(instance.fmu.component)
     state, size = ctypes.c_void_p(), ctypes.c_size_t()

@@ -1,4 +1,4 @@
-"""Reference results that an FMU carries along: those of the reference today, found by other hosts too."""
+"""Test the reference results in an FMU: they are up to date, and other hosts find them."""
 
 import re
 import shutil
@@ -32,7 +32,7 @@ FLAVOURS = ("InertiaModule", "InertiaModule3", "DrivenShaft3")
 
 
 def changed(path, folder, case):
-    """A copy of an FMU whose carried files are changed by patterns and what replaces them, or gone."""
+    """Return a copy of an FMU with changed or deleted reference files."""
     copy = folder / path.name
     with zipfile.ZipFile(path) as old, zipfile.ZipFile(copy, "w") as new:
         for name in old.namelist():

@@ -21,7 +21,7 @@ from tests.system.programs import process
 
 from .conftest import LEVELS, R1
 
-# invalid values of inputs, also torque-driven
+# Valid inputs, also torque-driven.
 GOOD = {INERTIA_MODULE: {**R1, "drive_torque": 20.0}, DRIVEN_SHAFT: {"hub_speed": 20.0, "load_torque": 3.0}}
 STARTS = {
     INERTIA_MODULE: [{"drive": 0, "input_inertia": 0.2}, {"drive": 1, "input_inertia": 0.2}],
@@ -34,7 +34,7 @@ PHASES = INSTANTIATED, INITIALIZING, STEPPING, TERMINATED, IN_ERROR = (
     *("instantiated", "in initialization mode", "initialized", "terminated"),
     "in error since initialization",
 )
-# when a call must come, and the phases in which it may
+# Allowed phases of each call.
 CALLS = {
     "doStep": ("after exitInitializationMode", {STEPPING}),
     "terminate": ("after exitInitializationMode", {STEPPING}),
@@ -48,7 +48,7 @@ CALLS = {
 
 
 def in_phase(instance, phase):
-    """An instance brought into a phase of its life."""
+    """Bring an instance into a phase."""
     if phase == INSTANTIATED:
         return instance
     if phase == INITIALIZING:
@@ -60,7 +60,7 @@ def in_phase(instance, phase):
         instance.set(imbalance_mass=-1.0)
         message = instance.refusal(instance.fmu.exitInitializationMode)
         assert message == "imbalance_mass must be between 0 and 100000 kg (got -1)"
-        # for debugging values can be read
+        # Values can be read for debugging.
         assert (instance.get("imbalance_mass"), instance.get("input_speed")) == (-1.0, speed)
     else:
         instance.start(**R1)
@@ -81,12 +81,12 @@ def call(instance, name):
 
 
 def out_of_range(model):
-    """Parameters of a model and values that they do not take."""
+    """Yield parameters of a model with values outside their range."""
     for variable in model.with_causality(PARAMETER):
         if variable.kind == REAL:
             too_far = (variable.minimum - 1.0, variable.maximum * 2.0 + 1.0)
             yield from ((variable, value) for value in (math.nan, math.inf, *too_far))
-        elif variable.kind != BOOLEAN:  # in FMI a Boolean has two values and no others
+        elif variable.kind != BOOLEAN:  # A Boolean of FMI has two values.
             yield from ((variable, value) for value in (int(variable.minimum) - 1, int(variable.maximum) + 1))
 
 
@@ -120,7 +120,7 @@ def test_invalid_input_or_step_is_discarded_without_effect(instances, model):
 
 
 def messages_of(*names_and_values):
-    """Pattern of the sentences on values of variables of the module, and of no others."""
+    """Return a pattern of the messages about values of variables of the module."""
     message = "; ".join(sentence(INERTIA_MODULE.by_name[name], value) for name, value in names_and_values)
     return f"^{re.escape(message)}$"
 
@@ -167,7 +167,7 @@ def test_invalid_value_of_a_tunable_parameter_is_discarded_without_effect(instan
             message = instance.refusal(partial(instance.set, **{"omega1": 7.0, name: value}), fmi2Discard)
             assert message == sentence(variable, value)
             assert instance.all_values() == before
-        instance.set(**{name: before[name]})  # no change
+        instance.set(**{name: before[name]})  # The variable is unchanged.
         for each in (instance, undisturbed):
             each.step(0.01)
         assert instance.all_values() == undisturbed.all_values()
@@ -225,7 +225,7 @@ def test_work_without_end_is_an_error_and_no_hang(instance):
     assert not instance.is_discarded(1e-4)
 
 
-# --- the order of calls ---
+# --- order of calls ---
 
 
 @pytest.mark.parametrize("phase", PHASES)
@@ -233,7 +233,7 @@ def test_calls_out_of_order_are_rejected_without_effect_and_reset_restarts(insta
     instance = in_phase(instances(), phase)
     for name, (when, phases) in CALLS.items():
         if phase in phases or (instance.is_fmi3 and name == "setupExperiment"):
-            continue  # FMI 3.0 has no such call
+            continue  # FMI 3.0 has no such call.
         before = phase == INSTANTIATED or instance.all_values()
         message = instance.refusal(lambda called=name: call(instance, called))
         assert message == f"{name} is allowed only {when} (the instance is {phase})"
@@ -293,7 +293,7 @@ def test_step_past_the_stop_time_is_an_error_without_effect(instances, begin):
         instance.set(**R1)
         instance.fmu.enterInitializationMode()
         instance.fmu.exitInitializationMode()
-        for _ in range(3):  # 3 · 0.1 is more than 0.3 by a rounding
+        for _ in range(3):  # 3 · 0.1 exceeds 0.3 by a rounding error.
             instance.step(0.1)
     before = one.all_values()
     message = one.refusal(lambda: one.try_step(0.1))
@@ -303,7 +303,7 @@ def test_step_past_the_stop_time_is_an_error_without_effect(instances, begin):
     )
     assert one.all_values() == before
     for instance in (one, endless):
-        instance.step(1e-6)  # a host's rounding
+        instance.step(1e-6)  # This step has the size of a rounding error of a host.
     assert one.all_values() == endless.all_values()
     endless.step(0.1)
 
@@ -375,7 +375,7 @@ def test_instances_of_another_build_or_without_a_name_are_not_made(opened, guid,
     assert message in log.errors[0]
 
 
-# --- mechanisms that cannot be built and a deprecated value run, with a warning ---
+# --- warnings: mechanisms that cannot be built, a deprecated value ---
 
 CASES = {
     "overlap, planar": {"layout": 1, "satellites": 12},
@@ -400,7 +400,7 @@ def test_warnings_are_logged_at_each_start_as_warnings(instance, fmu_path, case)
     instance.start(**CASES[case])
     assert errors == []
     instance.fmu.reset()
-    with pytest.raises(FMICallException):  # and no other category if the call is rejected
+    with pytest.raises(FMICallException):  # A rejected call logs no other category.
         instance.start(**CASES[case], imbalance_mass=-1.0)
     assert warnings == 2 * expected
     assert len(errors) == 1
@@ -413,11 +413,11 @@ def test_check_passes_warnings_on_without_a_problem(built, tmp_path):
     content = files_of(built / "InertiaModulePy.fmu")
     (table,) = (name for name in content if name.endswith("interface/variables.py"))
     assert b'evenly spaced", 1,' in content[table]
-    # a start value that cannot be built and that the references in the FMU do not use
+    # This start value cannot be built. The references in the FMU do not use it.
     content = {name: data for name, data in content.items() if not name.startswith("extra/")}
     content[table] = content[table].replace(b'evenly spaced", 1,', b'evenly spaced", 6,')
     path = with_content(tmp_path / "x.fmu", content)
-    # in a process of its own: pythonfmu shares the code of FMUs that were loaded before
+    # Use a separate process: pythonfmu shares the code of FMUs that were loaded before.
     done = process("-m", "inertia_module", "check", path)
     (warning,) = Module("plain").start(satellites=6).warnings()
     assert done.stderr == f"warning: {warning}\n"

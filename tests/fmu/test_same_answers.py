@@ -1,4 +1,4 @@
-"""The Python FMU answers each call of FMI 2.0, in each phase, as the native FMU does."""
+"""Test that Python and native FMU return the same for each call of FMI 2.0 in each phase."""
 
 import ctypes
 import math
@@ -16,12 +16,12 @@ INSTANTIATED, INITIALIZING, UNFIT, IN_ERROR, STEPPING, TERMINATED = PHASES = (
     *("instantiated", "initializing", "initializing, unfit", "in error", "stepping", "terminated"),
 )
 TYPES = {"Real": c_double, "Integer": c_int, "Boolean": c_int, "String": ctypes.c_char_p}
-# value references of no variable
+# Value references without a variable.
 UNKNOWN = (INERTIA_MODULE.time.reference, 1000000, 2**32 - 1)
 
 
 class Caller:
-    """Calls the library of an instance as a host in C does, without the checks of FMPy."""
+    """Calls the library of an instance like a C host, without the checks of FMPy."""
 
     def __init__(self, instance):
         self.instance, self.library = instance, instance.fmu.dll
@@ -90,7 +90,7 @@ class Caller:
         return self.call("SerializedFMUstateSize", state, byref(size)), size.value
 
     def with_state(self, action):
-        """Result of an action with a state of this instance and its serialised bytes."""
+        """Return the result of an action with a state of this instance and its serialised bytes."""
         state = c_void_p()
         assert self.save(state) == fmi2OK
         _, size = self.size(state)
@@ -99,7 +99,7 @@ class Caller:
         return action(state, content, size)
 
     def after_free(self, action):
-        """Result of an action with a freed state."""
+        """Return the result of an action with a freed state."""
         state = c_void_p()
         assert self.save(state) == fmi2OK
         freed = c_void_p(state.value)
@@ -107,7 +107,7 @@ class Caller:
         return action(freed)
 
     def values(self):
-        """Values of all variables by kind, or the status of the call that reads them."""
+        """Return the values of all variables by kind, or the status of the read call."""
         by_kind = {}
         for name, kind in self.instance.calls.items():
             by_kind.setdefault("Integer" if kind == "Enumeration" else kind, []).append(name)
@@ -115,8 +115,8 @@ class Caller:
 
 
 def with_foreign(caller, action):
-    """Result of an action with a pointer that is no state of this instance."""
-    buffer = ctypes.create_string_buffer(4096)  # lives during the action: no state gets its address
+    """Return the result of an action with a pointer that is no state of this instance."""
+    buffer = ctypes.create_string_buffer(4096)  # No state gets the address of the buffer.
     return action(c_void_p(ctypes.addressof(buffer)))
 
 
@@ -128,7 +128,7 @@ CALLS = {
         for arguments in (
             *((), (1e-5, 0.0, 1.0), (0.0,), (-1.0,), (math.nan,), (math.inf,), (None, math.nan)),
             *((None, math.inf), (None, -math.inf), (None, 1.0, 0.5), (None, 0.0, math.nan), (None, 2.0, 2.0)),
-            (1.0,),  # above the largest tolerance of the module
+            (1.0,),  # This tolerance exceeds the maximum of the module.
         )
     },
     **{
@@ -297,7 +297,7 @@ def test_each_call_has_the_same_status_and_effect_in_both_fmus(instances_of, pha
             caller = Caller(instances_of(identifier))
             caller.bring_to(phase)
             answers.append((action(caller), caller.values(), caller.step(0.1, 0.1), caller.values()))
-        # NaN equals NaN in text
+        # NaN equals NaN in text.
         if repr(answers[0]) != repr(answers[1]):
             different[name] = [repr(answer)[:200] for answer in answers]
     assert different == {}

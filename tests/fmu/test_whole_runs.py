@@ -19,9 +19,9 @@ from .conftest import ELASTIC, R1
 
 FLAVOURS = ("InertiaModule", "InertiaModule3")
 TIMES = np.linspace(0.0, 0.2, 301)
-# in the FMU of FMI 3.0 discrete outputs are held; booleans, enumerations and late outputs are among these
+# The FMU of FMI 3.0 holds discrete outputs. These include Booleans, enumerations and late outputs.
 OUTPUTS = (*COMPUTED, "housing_freewheel", "fidelity", "z17", "omega1", "tolerance")
-# inputs, and a tunable parameter
+# Inputs and a tunable parameter.
 RISING = {
     "omega1": np.interp(TIMES[:-1], [0.0, 0.05, 0.15], [90.0, 90.0, 120.0]),
     "load_torque": np.full(300, 12.0),
@@ -30,7 +30,7 @@ RISING = {
 
 
 def by_loop(plant):
-    """A plant that takes many steps one by one."""
+    """A plant that computes many steps in a loop."""
     plant.take_steps = partial(Plant.take_steps, plant)
     return plant
 
@@ -43,7 +43,7 @@ def run(plant, inputs=RISING, outputs=OUTPUTS, **more):
 
 @pytest.fixture(params=["InertiaModule", "InertiaModule3", "compiled", "plain"])
 def twins(request, built, compiled):
-    """A function that makes two plants alike: instances of an FMU or models in memory."""
+    """Return a function that makes two equal plants: instances of an FMU or models in memory."""
     with ExitStack() as opened:
 
         def make(parameters=ELASTIC):
@@ -63,7 +63,7 @@ def test_run_has_the_bits_and_the_state_of_the_loop(twins, level):
     first, second = twins(level)
     for plant in (first, second):
         if isinstance(plant, Module):
-            plant.set_rates(omega1=5.0)  # for the first step alone
+            plant.set_rates(omega1=5.0)  # This rate applies to the first step only.
         else:
             assert getattr(plant._instance, instance.RUN) is not None
     assert np.array_equal(run(first), run(by_loop(second)))

@@ -1,4 +1,4 @@
-"""C programs built with the shell of the native FMUs, and the FMUs themselves."""
+"""Fixtures: C programs with the shell of the native FMUs, and the FMUs."""
 
 import os
 import platform
@@ -23,7 +23,7 @@ from ..fmu.conftest import opened
 
 __all__ = ["opened"]
 SOURCES = Path(__file__).parent
-# C files of every library with a kernel in it
+# C files of each library that contains a kernel.
 WITH_KERNEL = PACKAGE_FOLDER / "compiling"
 FMUS = {fmu.identifier: fmu for fmu in builder.FMUS if fmu is not builder.PYTHON_FMU}
 OF_FMI_3 = [name for name, fmu in FMUS.items() if fmu.fmi == 3]
@@ -32,12 +32,12 @@ TIME_LIMIT = 900  # s, for programs that hang
 
 
 def run(command, **environment):
-    """Run a program; its output.
+    """Run a program and return its output.
 
     Raises:
-        AssertionError: it fails; with what it says.
+            AssertionError: The program fails; the message contains its output.
     """
-    # into files: a pipe is held open by what a program leaves running, such as the server of Wine
+    # Write into files: programs that continue, such as the server of Wine, would keep a pipe open.
     with (
         tempfile.TemporaryFile("w+", errors="replace") as out,
         tempfile.TemporaryFile("w+", errors="replace") as errors,
@@ -58,10 +58,10 @@ def run(command, **environment):
 
 
 class Workshop:
-    """Builds C programs together with the shell, the tables and the kernel of one FMU.
+    """Builds C programs with the shell, the tables and the kernel of an FMU.
 
     Attributes:
-        fmu: what is built. folder: where the programs are. objects: names by C file and flags.
+            fmu: The FMU. folder: Folder of the programs. objects: Names by C file and flags.
     """
 
     def __init__(self, fmu, folder):
@@ -71,33 +71,33 @@ class Workshop:
             (folder / name).write_text(text)
 
     def flags(self):
-        """Options of every compilation: language, warnings as errors, headers, name of the kernel."""
+        """Return options of all compilations: language, warnings as errors, headers, name of the kernel."""
         headers = [f"-I{folder}" for folder in (SHELL_FOLDER, WITH_KERNEL, SOURCES, self.folder)]
         symbol = f"-DKERNEL={self.fmu.model.symbol}"
         return ["-std=c99", "-O1", *WARNINGS, "-Werror", *headers, "-isystem", str(header_folder()), symbol]
 
     def all_sources(self, *names):
-        """Paths of C files of the tests, then those of the shell and the tables.
+        """Return paths of C files: first the tests, then the shell and the tables.
 
-        The tests call FMI 2.0: for a shell of FMI 3.0 there is a file that makes the one of the other.
+        The tests call FMI 2.0. For a shell of FMI 3.0 an adapter translates these calls.
         """
         shell = [*shell_sources(self.fmu.fmi), *sorted(WITH_KERNEL.glob("*.c"))]
         if names and self.fmu.fmi == 3:
             names = (*names, "fmi2_by_3.c")
-            if "threads.c" not in names:  # which count nothing
+            if "threads.c" not in names:  # This program counts no calls.
                 names = (*names, "fmi3_counted.c")
                 shell = [path for path in shell if path.name != "fmi3.c"]
         return [*(str(SOURCES / name) for name in names), *map(str, shell), "tables.c"]
 
     def build(self, program, *names, flags=(), libraries=()):
-        """A program for this machine, by a compiler of the system; names are of its C files."""
+        """Build a program for this machine with a C compiler of the system, from C files by name."""
         compiler = system_compiler(flags)
         objects = [self.compiled(compiler, file, *flags) for file in self.all_sources(*names)]
         self.call(compiler, *flags, *objects, "kernel.o", "-o", program, "-lm", *libraries)
         return self.folder / program
 
     def compiled(self, compiler, file, *flags):
-        """Object file of a C file; programs that are compiled alike share it."""
+        """Compile a C file to an object file; programs with the same flags share it."""
         if (file, flags) not in self.objects:
             name = f"{len(self.objects)}.o"
             self.call(compiler, *self.flags(), *flags, "-c", file, "-o", name)
@@ -105,13 +105,13 @@ class Workshop:
         return self.objects[file, flags]
 
     def call(self, *command):
-        """Run a compiler in the folder; its messages."""
+        """Run a compiler in the folder and return its messages."""
         done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr[-3000:]
         return done.stderr
 
     def cross(self, target, program, *arguments):
-        """A program for a target, by the C compiler that comes with ziglang; C files are of the tests."""
+        """Build a program for a target with the C compiler of ziglang, from C files of the tests."""
         words = [str(SOURCES / word) if word.endswith(".c") else word for word in arguments]
         given = ["-target", target.compiler, *self.flags(), "-fno-sanitize=all", "tables.c", *words]
         run_tool([*ZIG, "cc", *given, *target.libraries, "-o", program], self.folder)
@@ -120,7 +120,7 @@ class Workshop:
 
 @pytest.fixture(scope="session")
 def workshops(tmp_path_factory):
-    """Makes the workshop of an FMU, or skips the test."""
+    """Return a function that makes the workshop of an FMU, or skips the test."""
     if (platform.system(), platform.machine()) != ("Linux", "x86_64"):
         pytest.skip("the test programs are made for Linux on x86-64")
     made = {}
@@ -138,19 +138,19 @@ def workshops(tmp_path_factory):
 
 @pytest.fixture(scope="session", params=FMUS)
 def workshop(request, workshops):
-    """The workshops of the native FMUs in turn."""
+    """Return the workshop of each native FMU in turn."""
     return workshops(request.param)
 
 
 @pytest.fixture(scope="session", params=("InertiaModule", "DrivenShaft3"))
 def one_of_each(request, workshops):
-    """The workshops of two: each model and each version of FMI once, for what hangs on one of them alone."""
+    """Return the workshops of two FMUs, which include each model and each version of FMI."""
     return workshops(request.param)
 
 
 @pytest.fixture(scope="session")
 def windows(tmp_path_factory):
-    """Runs a program for Windows; its files are in a folder of their own."""
+    """Return a function that runs a program for Windows with its files in a separate folder."""
     found = (shutil.which(name) for name in ("wine64", "wine", "/usr/lib/wine/wine64"))
     command = next(filter(None, found), None)
     if command is None:
@@ -160,7 +160,7 @@ def windows(tmp_path_factory):
         "WINEDEBUG": "-all",
         "DISPLAY": "",
         "LC_ALL": "C.UTF-8",
-        "WINEDLLOVERRIDES": "mscoree,mshtml=",  # no offers to install these
+        "WINEDLLOVERRIDES": "mscoree,mshtml=",  # This setting suppresses offers to install these.
     }
     yield lambda program, **environment: run([command, program], **settings, **environment)
     server = shutil.which("wineserver") or "/usr/lib/wine/wineserver"

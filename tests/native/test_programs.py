@@ -1,4 +1,4 @@
-"""C programs around the shell: hosts that call anything in any order, memory, threads, other countries."""
+"""Test C programs with the shell: random calls, memory, threads, locales."""
 
 import os
 import shutil
@@ -9,23 +9,23 @@ import pytest
 
 from .conftest import OF_FMI_3, SANITIZERS, Workshop, run
 
-# a million calls a seed where the environment asks for them, else what a test has the time for
+# A variable of the environment sets the number of calls per seed.
 CALLS = int(os.environ.get("INERTIA_MODULE_ABUSE_CALLS", "200000"))
-# how a host drives an FMU, by the version of FMI (see fmi2_by_3.c)
+# Modes of a host by the version of FMI (see fmi2_by_3.c).
 MODES = {2: ("",), 3: ("", "event", "early", "update")}
 SEEDS = os.environ.get("INERTIA_MODULE_ABUSE_SEEDS", "1").split(",")
 FILES = (
     *("abuse.c", "abuse_arguments.c", "abuse_life.c", "abuse_states.c", "abuse_values.c"),
     *("host.c", "snapshot.c"),
 )
-GAP = 4  # value reference of the last variable in front of a gap
-MOST_BYTES = 131072  # of an instance with a saved state
-LIVES = 420  # all combinations of what a life does every third, fourth, fifth and seventh time
+GAP = 4  # Value reference of the last variable before a gap.
+MOST_BYTES = 131072  # Limit for an instance with a saved state.
+LIVES = 420  # 3 · 4 · 5 · 7: all combinations of the periods of the actions
 
 
 @pytest.fixture
 def checked():
-    """Runs a program under valgrind; what it prints."""
+    """Return a function that runs a program under valgrind and returns its output."""
     valgrind = shutil.which("valgrind")
     if valgrind is None:
         pytest.skip("valgrind is not installed")
@@ -35,7 +35,7 @@ def checked():
 
 @pytest.fixture(scope="session")
 def comma(tmp_path_factory):
-    """Environment of a country that writes 1,5."""
+    """Return the environment of a locale with decimal commas."""
     folder = tmp_path_factory.mktemp("locales")
     tool = shutil.which("localedef")
     command = [tool, "--no-archive", "-i", "de_DE", "-f", "UTF-8", str(folder / "comma")]
@@ -66,7 +66,7 @@ def test_refusals_that_random_calls_seldom_meet(workshop):
 
 
 def test_a_value_reference_that_no_variable_has_is_an_error_and_harmless(one_of_each, tmp_path):
-    """A table has such numbers once a row is appended after the time, which only FMI 3.0 has."""
+    """A row after the time, which exists only in FMI 3.0, leaves unused value references."""
     model = one_of_each.fmu.model
 
     def moved(variable):
@@ -81,7 +81,7 @@ def test_a_value_reference_that_no_variable_has_is_an_error_and_harmless(one_of_
 
 
 def test_forged_states_reach_no_memory_beyond_their_own(one_of_each):
-    """A sum of bytes keeps nobody out: what is an index or a choice is checked when a state is read in."""
+    """A checksum stops no forgery. Indices and choices are checked when a state is deserialised."""
     run([one_of_each.build("forged", "forged.c", "host.c", "snapshot.c", flags=SANITIZERS)])
 
 

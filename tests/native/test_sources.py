@@ -1,4 +1,4 @@
-"""The sources in the FMUs, compiled as an importer and as a strict compiler do."""
+"""Test that importers and strict compilers can compile the sources in the FMUs."""
 
 import shutil
 from pathlib import Path
@@ -15,11 +15,11 @@ STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Werror", "-Wshadow", "-Wstrict-pro
 
 
 def simulated(folder, **modes):
-    """Bits of what FMPy reads in a simulation."""
+    """Return the bits of the results that FMPy reads in a simulation."""
     return simulate_fmu(str(folder), stop_time=0.3, output_interval=1e-3, **modes).tobytes()
 
 
-# each model and each version of FMI
+# Each model and each version of FMI.
 @pytest.mark.parametrize("identifier", ["InertiaModule3", "DrivenShaft"])
 def test_fmpy_makes_a_library_of_them_that_has_the_bits_of_ours(identifier, built_for_all, tmp_path):
     if shutil.which("cmake") is None:

@@ -1,4 +1,4 @@
-"""Other systems compute what Linux on x86-64 does: Windows under Wine, 64-bit ARM under qemu."""
+"""Test that other systems agree with Linux on x86-64: Windows under Wine, 64-bit ARM under qemu."""
 
 import os
 import shutil
@@ -19,22 +19,22 @@ from inertia_module.interface.variables import REAL
 from ..fmu.conftest import ELASTIC, R1, Instance
 from .conftest import FMUS, SOURCES, WITH_KERNEL, run
 
-# the C program that runs the scenes knows FMI 2.0
+# The C program that runs the scenes calls FMI 2.0.
 OF_FMI_2 = [name for name, fmu in FMUS.items() if fmu.fmi == 2]
-# relative, and what counts as zero where the values themselves are of this size
+# Relative tolerance, and absolute tolerance of values near zero.
 RELATIVE, OF_ZERO = 1e-9, 1e-9
 
 
-# of each scene, s
+# Steps of each scene, s.
 STEP, STEPS = 0.01, 100
 OF_ELASTIC = {"fidelity": 3, **ELASTIC}
-# the size of a step follows the last digits of pow, which differ: with a small tolerance little comes of it
+# Step sizes depend on the last digits of pow, which differ. A small tolerance reduces the effect.
 OF_TORQUE = {"drive": 1, "input_inertia": 0.2, "drive_torque": 15.0, "tolerance": 1e-10}
 SCENES = {
     "InertiaModule": {
         "R1": R1,
         "elastic": R1 | OF_ELASTIC,
-        # whose map takes a tenth of that of the other layout: emulated, that is minutes
+        # The map of this layout takes a tenth of the time. The other one would take minutes under emulation.
         "averaged": PLANAR | {"fidelity": 1},
         "by_torque": R1 | OF_TORQUE,
         "elastic_by_torque": R1 | OF_ELASTIC | OF_TORQUE,
@@ -49,7 +49,7 @@ SCENES = {
 
 
 def header(identifier, library):
-    """C source of the scenes of an FMU, and of the path of its library."""
+    """Return C source with the scenes of an FMU, and with the path of its library."""
     lines = [
         "struct setting {\n    const char *name;\n    double value;\n};",
         "struct scene {\n    const char *name;\n    const struct setting *settings;\n"
@@ -65,13 +65,13 @@ def header(identifier, library):
 
 
 def outputs(identifier):
-    """Variables the C program prints, in its order: all that are calculated, but enumerations."""
+    """Return the variables that the C program prints, in its order: all computed ones except enumerations."""
     table = FMUS[identifier].model.variables
     return [v.name for v in table if v.kind == REAL and v.causality in ("output", "local")]
 
 
 def by_fmpy(opened, identifier, settings):
-    """Values of the outputs after every step of a scene, here."""
+    """Return the outputs after each step of a scene on this system."""
     fmu = Instance(*opened(identifier)).start(**settings)
     rows = [[fmu.get(name) for name in outputs(identifier)]]
     for _ in range(STEPS):
@@ -82,7 +82,7 @@ def by_fmpy(opened, identifier, settings):
 
 
 def printed_rows(text):
-    """Values by scene and step."""
+    """Return the values by scene and step."""
     lines = text.split("\n")
     assert lines[-2].strip() == "done", text[-2000:]
     rows = {}
@@ -93,12 +93,12 @@ def printed_rows(text):
 
 
 def deviations(identifier, opened, text):
-    """Largest deviation of each scene from fmpy's values here, over the largest value of the output."""
+    """Return the largest deviation of each scene from fmpy on this system, relative to the largest value."""
     there = printed_rows(text)
     assert set(there) == set(SCENES[identifier])
     found = {}
-    # the error of the integration is nothing but rounding, and which moments a peak sees hangs on it,
-    # as do the steps that it takes
+    # The integration error is at rounding level. It determines the sampling times of the peaks and the
+    # number of steps.
     hang = ("_peak", "energy_residual", "rhs_evaluations")
     compared = [not label.endswith(hang) for label in outputs(identifier)]
     for name, settings in SCENES[identifier].items():
@@ -111,7 +111,7 @@ def deviations(identifier, opened, text):
 
 @pytest.fixture(scope="session")
 def arm():
-    """Runs a program for Linux on 64-bit ARM, with the C library of that system."""
+    """Return a function that runs a program for Linux on 64-bit ARM, with the C library of that system."""
     emulator = shutil.which("qemu-aarch64") or shutil.which("qemu-aarch64-static")
     if emulator is None:
         pytest.skip("qemu-aarch64 is not installed (Debian: qemu-user)")
@@ -122,12 +122,12 @@ def arm():
 
 
 def for_arm(workshop, library):
-    """The program of the scenes for ARM; it finds the library beside itself."""
+    """Build the program of the scenes for ARM, which loads the library from its own folder."""
     return workshop.cross(LINUX_ARM, "scenes-arm", "scenes.c", library, "-Wl,-rpath,$ORIGIN")
 
 
 def for_windows(workshop, _):
-    """That for Windows, which begins at `begin` and needs nothing but Windows itself."""
+    """Build the program of the scenes for Windows, which starts at `begin` and requires only Windows."""
     functions = ("LoadLibraryA", "GetProcAddress", "GetStdHandle", "WriteFile", "ExitProcess")
     system = import_library(WIN64, workshop.folder, "kernel32.dll", functions)
     files = ("scenes.c", str(WITH_KERNEL / "windows.c"))
@@ -151,7 +151,7 @@ def test_another_system_computes_the_same(
     assert max(found.values()) < RELATIVE, found
 
 
-# 64-bit ARM, and what there is no library for: of 32 bits, and with the highest byte of a number first
+# 64-bit ARM, and targets without a library: a 32-bit and a big-endian processor.
 OTHERS = {"aarch64": "aarch64-linux-musl", "arm": "arm-linux-musleabihf", "s390x": "s390x-linux-musl"}
 
 
@@ -165,7 +165,7 @@ def test_the_sources_compute_the_same_on_any_processor(
         pytest.skip(f"qemu-{processor} is not installed (Debian: qemu-user)")
     fmu = FMUS[identifier]
     source = source_files(fmu, fmu.guid(), lambda stage: None)[f"sources/{SOURCE}"]
-    # the program finds variables by their names in tables of its own: those of the FMU are not visible
+    # The program has its own tables of names. The tables of the FMU are not visible.
     for name, text in generated(fmu.model, fmu.guid(), fmu.fmi).items():
         (tmp_path / name).write_text(text)
     (tmp_path / SOURCE).write_bytes(source)

@@ -10,15 +10,15 @@ ROOT = Path(__file__).parents[2]
 REFERENCE = ROOT / "examples" / "reference.toml"
 PHONE, DESK = {"width": 360, "height": 740}, {"width": 1440, "height": 900}
 SMALL = {"width": 640, "height": 480}
-COARSE = {"viewport": SMALL, "device_scale_factor": 0.25}  # soon drawn without a graphics card
-# no sandbox: the tests may run as root. WebGL without a graphics card; nothing that calls home
+COARSE = {"viewport": SMALL, "device_scale_factor": 0.25}  # Small frames are fast without a graphics card.
+# No sandbox, because the tests may run as root. WebGL without a graphics card. No background services.
 FLAGS = (
     *("--no-sandbox", "--no-first-run", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
     *("--disable-quic", "--disable-background-networking", "--disable-component-update", "--disable-sync"),
 )
 
-# files of matplotlib, and how far apart their letters stand: text is as wide on every machine, and wider or
-# narrower than in the fonts that machines have
+# Fonts of matplotlib and their letter spacing. Text has the same width on all machines, and is wider or
+# narrower than in common fonts.
 FONTS = {"narrow": ("STIXGeneral.ttf", "-0.02em"), "wide": ("DejaVuSansMono.ttf", "0.04em")}
 ASKED = Path(__file__).with_name("page.js").read_text()
 
@@ -66,7 +66,7 @@ class Opened:
         return self.settled()
 
     def settled(self):
-        """The page once nothing is being integrated."""
+        """Wait until the integration has ended, and return the page."""
         self.page.wait_for_function("inertiaModule.state().run?.complete && !inertiaModule.state().busy")
         return self
 
@@ -76,15 +76,15 @@ class Opened:
         return self
 
     def state(self, name):
-        """A part of the page's state."""
+        """Return a part of the state of the page."""
         return self.page.evaluate(f"inertiaModule.state().{name}")
 
     def ask(self, name, *arguments):
-        """Value of a function of page.js."""
+        """Return the value of a function of page.js."""
         return self.page.evaluate(f"{ASKED}.{name}", *arguments)
 
     def shown(self, name):
-        """Column of the run that is shown."""
+        """Return the displayed column of the run."""
         return np.array(self.ask("shown", name))
 
     def press(self, name):
@@ -92,5 +92,5 @@ class Opened:
         self.page.get_by_role("button", name=name, exact=True).click()
 
     def simulate(self, options):
-        """Arrays by name from the page's own simulate, or the error message."""
+        """Return arrays by name from the function `simulate` of the page, or the error message."""
         return self.ask("simulate", options)

@@ -1,4 +1,4 @@
-"""Chromium, in which pages are opened as people open them; a cluster as people start it."""
+"""Fixtures: Chromium with open pages; a cluster of processes."""
 
 import contextlib
 import json
@@ -17,7 +17,7 @@ from tests.system.programs import left
 
 @pytest.fixture(scope="module")
 def browser():
-    """Debian's Chromium; beside other tests the pages that are open would go on drawing."""
+    """Start Debian's Chromium once per file, because open pages continue to draw."""
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     chromium = shutil.which("chromium")
     if chromium is None:
@@ -30,7 +30,7 @@ def browser():
 
 @pytest.fixture(scope="session")
 def written(fmu, tmp_path_factory):
-    """A function from a scene file to its page, by `inertia-module view`."""
+    """Return a function that writes the page of a scene file with `inertia-module view`."""
     if not TEMPLATE.exists():
         pytest.skip("the page is not built: `make page` builds it")
     folder = tmp_path_factory.mktemp("pages")
@@ -46,7 +46,7 @@ def written(fmu, tmp_path_factory):
 
 @pytest.fixture
 def opened(browser, written):
-    """A function that opens the page of a scene file, with options of Playwright's new_page."""
+    """Return a function that opens the page of a scene file, with options of Playwright's new_page."""
     with contextlib.ExitStack() as pages:
         yield lambda scene, **options: Opened(
             pages.enter_context(browser.new_page(**{**COARSE, **options})), written(scene)
@@ -55,21 +55,21 @@ def opened(browser, written):
 
 @pytest.fixture(scope="module")
 def still(browser, written):
-    """The page of scene R1, not moving: opened once, for what it computes."""
+    """Open the page of scene R1 once, without motion, for its functions."""
     with browser.new_page(**COARSE, reduced_motion="reduce") as page:
         yield Opened(page, written(REFERENCE))
 
 
 @pytest.fixture
 def page(still):
-    """The page of scene R1, loaded anew: at rest, with nothing changed."""
+    """Open the page of scene R1 again, at rest and without changes."""
     still.page.set_viewport_size(SMALL)
     still.errors.clear()
     return still.at("")
 
 
 class Cluster:
-    """A scheduler and workers as processes of their own, started as sweep.md says."""
+    """A scheduler and workers in their own processes, started as in sweep.md."""
 
     def __init__(self, folder):
         self.file = folder / "scheduler.json"
@@ -77,7 +77,7 @@ class Cluster:
         self.processes = []
         self.start("scheduler", "--scheduler-file", str(self.file), "--port", "0", "--no-dashboard")
         deadline = time.monotonic() + 60.0
-        # The scheduler creates the file before it writes it
+        # The scheduler creates the file before it writes the content.
         while not (self.file.exists() and self.file.read_text()) and time.monotonic() < deadline:
             time.sleep(0.05)
         self.address = json.loads(self.file.read_text())["address"]

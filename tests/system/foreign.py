@@ -1,4 +1,4 @@
-"""FMUs that behave badly, or correctly in an unusual way: C code compiled for a test, and a description."""
+"""FMUs with errors or with unusual correct behaviour: C code compiled for a test, and a description."""
 
 import functools
 import subprocess
@@ -70,7 +70,7 @@ EXPERIMENT = """<Experiments>
 
 @functools.cache
 def library(fmi, behaviour):
-    """The content of a library whose steps run this C code; without a compiler the test is skipped."""
+    """Compile a library whose steps run this C code; without a compiler the test is skipped."""
     kinds = (fmi2.FMU2Slave,) if fmi == 2 else (fmi3.FMU3Slave, fmi3.FMU3Model)
     names = sorted({name for kind in kinds for name in dir(kind) if name.startswith(f"fmi{fmi}")})
     stubs = "".join(f"__attribute__((weak)) int {name}() {{ return 0; }}\n" for name in names)
@@ -85,7 +85,7 @@ def library(fmi, behaviour):
 
 
 def description(fmi=2, times="", variable="true", interface="CoSimulation", more=""):
-    """A model description, with the times of the default experiment."""
+    """Return a model description with the times of the default experiment."""
     experiment = f"<DefaultExperiment {times}/>" if times else ""
     if fmi == 2:
         unknowns = "".join(f'<Unknown index="{index}"/>' for index in range(2, 6))
@@ -103,7 +103,7 @@ def description(fmi=2, times="", variable="true", interface="CoSimulation", more
 def references(
     results, times='startTime="0" stopTime="1" stepSize="0.25"', inputs=None, source="results.csv"
 ):
-    """Files of an experiment by name: its results, and its inputs."""
+    """Return the files of an experiment by name: its results and its inputs."""
     stimuli = '<Stimuli source="inputs.csv"/>' if inputs is not None else ""
     experiment = EXPERIMENT.format(times=times, inputs=stimuli, results=source)
     files = {"fmi-ls-manifest.xml": MANIFEST, "experiments.exp": experiment, "results.csv": results}
@@ -112,9 +112,9 @@ def references(
 
 
 def foreign_fmu(folder, code="", fmi=2, files=None, **more):
-    """An FMU in a folder whose steps run C code.
+    """Write an FMU to a folder; its steps run C code.
 
-    files: text or bytes by name, besides library and description; more: of the description.
+    files: text or bytes by name, in addition to library and description; more: parts of the description.
     """
     content = library(fmi, f"static int behaviour(double time, double step) {{ {code}; return 0; }}")
     place = platform if fmi == 2 else platform_tuple
@@ -128,7 +128,7 @@ def foreign_fmu(folder, code="", fmi=2, files=None, **more):
 
 
 def packed(path, entries):
-    """An archive with these entries, names or ZipInfo with content, and a description."""
+    """Write an archive with these entries (names or ZipInfo, with content) and a description."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr(DESCRIPTION, description())
         for entry, content in entries:

@@ -1,4 +1,4 @@
-"""Commands, and programs that the documentation shows, run as they stand."""
+"""Functions that run commands, and programs of the documentation, unchanged."""
 
 import contextlib
 import importlib.metadata
@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 from inertia_module.cli import app
 
 DOCS = Path(__file__).parents[2] / "docs"
-BESIDE_ECOS = "tbb"  # on Linux, whose libtbb.so.12 it looks for among the libraries of the system
+BESIDE_ECOS = "tbb"  # Ecos on Linux loads libtbb.so.12 from the libraries of the system.
 
 
 def command(*arguments, folder=None, of=app):
@@ -26,14 +26,14 @@ def command(*arguments, folder=None, of=app):
 
 
 def succeeded(*arguments, **settings):
-    """A command that must succeed, run as by `command`."""
+    """Run a command with `command`; it must succeed."""
     done = command(*arguments, **settings)
     assert done.exit_code == 0, done.output
     return done
 
 
 def left(*arguments):
-    """Output of a command, which must succeed."""
+    """Return the output of a command that must succeed."""
     return succeeded(*arguments).stdout
 
 
@@ -45,7 +45,7 @@ def is_one_line(done, *words):
 
 
 def process(*arguments, statuses=(0,), folder=None, **environment):
-    """Run Python with these arguments, to one of these statuses; its output is text."""
+    """Run Python with these arguments; the exit code must be expected; the output is text."""
     done = subprocess.run(
         [sys.executable, *map(str, arguments)],
         capture_output=True,
@@ -60,7 +60,7 @@ def process(*arguments, statuses=(0,), folder=None, **environment):
 
 
 def programs(page):
-    """The programs in Python of a page."""
+    """Return the Python programs of a page."""
     return re.findall(r"```python\n(.*?)```", (DOCS / page).read_text(), re.DOTALL)
 
 
@@ -68,14 +68,14 @@ def printed(source, folder):
     """Run a program in its own process, because hosts can crash, and return the numbers of its last line.
 
     Raises:
-        AssertionError: The program fails; with its output.
+            AssertionError: The program fails. The message contains its output.
     """
     environment = {}
     with contextlib.suppress(importlib.metadata.PackageNotFoundError):
         libraries = [file for file in importlib.metadata.files(BESIDE_ECOS) if "libtbb.so" in file.name]
         folders = {str(file.locate().resolve().parent) for file in libraries}
         environment["LD_LIBRARY_PATH"] = os.pathsep.join(folders)
-    # Ecos now and then crashes as it closes, after its numbers are out
+    # Ecos sometimes crashes at its end, after it has printed its numbers.
     done = process("-c", source, statuses=(0, -signal.SIGSEGV), folder=folder, **environment)
     return [float(number) for number in done.stdout.splitlines()[-1].split()]
 

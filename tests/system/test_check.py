@@ -1,4 +1,4 @@
-"""Check of foreign FMUs: those that end, block or flood their host, archives that attack it, correct ones."""
+"""Test the check of foreign FMUs: crashes, hangs, floods of output, malicious archives, correct FMUs."""
 
 import contextlib
 import json
@@ -22,7 +22,7 @@ from inertia_module.fmi.report import Journal
 from tests.system.foreign import DESCRIPTION, description, foreign_fmu, packed, references
 from tests.system.programs import command, is_one_line
 
-# time limits of a check that ends and of a check that does not end, s
+# Time limits for checks that end and for checks that hang, s.
 ENOUGH, LITTLE = 60.0, 3.0
 ALLOWED = ". Set a longer one with --timeout."
 SECRET = "a line of a file outside the FMU"
@@ -30,7 +30,7 @@ SECRET = "a line of a file outside the FMU"
 
 @pytest.fixture
 def cache(tmp_path, monkeypatch):
-    """Folder of the copies, which is empty."""
+    """Return an empty folder of copies."""
     monkeypatch.setenv("INERTIA_MODULE_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(copies, "_checked", set())
     return tmp_path / "cache" / "unpacked"
@@ -38,19 +38,19 @@ def cache(tmp_path, monkeypatch):
 
 @pytest.fixture
 def fmu(tmp_path, cache):
-    """Makes an FMU whose steps run C code."""
+    """Return a function that makes an FMU whose steps run C code."""
     return lambda *code, **more: foreign_fmu(tmp_path, *code, **more)
 
 
 def examined(path):
-    """Report of an FMU that may run in this process."""
+    """Return the report of an FMU that may run in this process."""
     return examine(path, Journal())
 
 
-# --- FMUs that do harm to their process ---
+# --- FMUs that damage their process ---
 
 STAGE = "simulation to 1 s"
-# C code of a step, and the problem that it is
+# C code of a step, and the problem that it causes.
 HARM = {
     "exits": ("exit(0)", f"{STAGE}: the FMU exits the process of its host with code 0"),
     "exits with a code": ("_exit(3)", f"{STAGE}: the FMU exits the process of its host with code 3"),
@@ -139,7 +139,7 @@ def test_problem_of_a_slow_fmu_states_the_reached_time(fmu):
 
 
 def processes_of(words):
-    """Processes of this machine whose command has these words, with the variable of this test."""
+    """Return processes with these words in their command and the mark of this test in their environment."""
     processes = []
     for folder in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):
@@ -183,7 +183,7 @@ def test_a_signal_ends_the_check_and_its_process(fmu, tmp_path, monkeypatch, nam
         assert list(temporary.iterdir()) == []
 
 
-# --- correct FMUs of others ---
+# --- correct foreign FMUs ---
 
 
 def test_a_correct_fmu_has_no_problems(fmu):
@@ -193,7 +193,7 @@ def test_a_correct_fmu_has_no_problems(fmu):
     assert report.outputs == {"y": 0.0, "flag": 1.0, "text": "late", "count": 100.0}
 
 
-# times of the default experiment, whether the last step may be shorter, steps, time reached
+# Times of the default experiment, flag for a shorter last step, number of steps, final time.
 DEFAULTS = {
     "start": ('startTime="2" stopTime="4"', "true", 100, 4.0),
     "its own step": ('startTime="1" stopTime="2" stepSize="0.25"', "false", 4, 2.0),
@@ -314,9 +314,9 @@ def test_missing_library_of_this_platform_is_named(tmp_path, cache):
     assert re.match(r"the FMU cannot be simulated on this machine: no binaries/\w+/foreign\.\w+$", problem)
 
 
-# --- references of others ---
+# --- references of foreign FMUs ---
 
-# results of FMUs with y = u = 0, or the inputs below; each is correct
+# Results of FMUs with y = u = 0, or with the inputs below. All are correct.
 INPUTS = "time,u\n0,0\n0.5,0\n0.5,2\n1,4\n"
 CORRECT = {
     "numbers": (2, "time,y,count\n0,0,0\n0.5,0,2\n1,0,4\n", None),
@@ -465,7 +465,7 @@ def test_files_outside_the_fmu_are_not_read(fmu, tmp_path, cache, place):
         "a folder": ".",
     }.get(place, place)
     path = fmu(files=references("time,y\n0,0\n1,0\n", source=source))
-    if place == "a link":  # the FMU may make one when it runs
+    if place == "a link":  # The FMU may create a link when it runs.
         examined(path)
         (folder,) = cache.glob("*/extra/*")
         (folder / "linked.csv").symlink_to(secret)
@@ -486,7 +486,7 @@ def test_a_table_without_bound_is_not_read(fmu, monkeypatch):
 
 
 def link(name):
-    """An entry that is a symbolic link."""
+    """Return an entry that is a symbolic link."""
     entry = zipfile.ZipInfo(name)
     entry.external_attr = (stat.S_IFLNK | 0o777) << 16
     return entry
@@ -542,7 +542,7 @@ def test_compression_outside_the_standard_is_a_problem(tmp_path, cache):
 
 
 def bomb(path, files):
-    """An archive with 150 MB of zeros in each of some files."""
+    """Write an archive with 150 MB of zeros in each of some files."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as made:
         made.writestr(DESCRIPTION, description())
         for number in range(files):
@@ -609,6 +609,7 @@ def test_entities_in_experiments_are_a_problem(fmu, case):
     ]
 
 
+@pytest.mark.slow
 def test_invalid_fmu_is_an_error_in_a_line(tmp_path, cache):
     pipe, text, empty, plain = (tmp_path / name for name in ("pipe", "text", "empty.fmu", "plain.fmu"))
     os.mkfifo(pipe)

@@ -1,4 +1,4 @@
-"""The command as a user types it: its files, its errors before the work, its output and help."""
+"""Test the command: its files, its errors before the work, its output and its help."""
 
 import importlib
 import io
@@ -43,7 +43,7 @@ RIG = [EXAMPLES / "fit_rig.csv", EXAMPLES / "fit_rig.toml"]
 
 
 def own_process(*arguments, folder):
-    """A command as a process of its own."""
+    """Run a command in its own process."""
     done = process("-m", "inertia_module", *arguments, statuses=(0, 1), folder=folder)
     done.exit_code = done.returncode
     return done
@@ -51,7 +51,7 @@ def own_process(*arguments, folder):
 
 @pytest.fixture
 def workshop(built, tmp_path):
-    """A folder with built FMUs."""
+    """Return a folder with built FMUs."""
     (tmp_path / "build").symlink_to(built, target_is_directory=True)
     return tmp_path
 
@@ -59,7 +59,7 @@ def workshop(built, tmp_path):
 SHORT = (REFERENCE, "--set", "run.stop_time=0.1 s", "--set", "run.communication_step=1 ms")
 
 
-# --- what commands leave ---
+# --- files of commands ---
 
 
 def test_run_leaves_table_summary_and_plot_and_nothing_else(tmp_path):
@@ -121,7 +121,7 @@ def test_run_chooses_the_fidelity_and_says_why(workshop, tmp_path):
     assert max(map(len, done.stdout.splitlines()[:-2])) <= 80
     choice = json.loads((tmp_path / "out" / "summary.json").read_text())["fidelity_choice"]
     assert choice["chosen"]["error"] <= 0.05
-    # every output of the module is wanted: only a level with pulses has them
+    # All outputs of the module are requested: only a level with pulses has them.
     assert choice["chosen"]["fidelity"] == "rigid"
 
 
@@ -147,7 +147,7 @@ def test_tradeoff_of_a_scene_for_machines(tmp_path):
     done = succeeded("tradeoff", *SHORT, *arguments, "-o", tmp_path / "out", folder=tmp_path)
     found = json.loads(done.stdout)
     assert found["recommendation"]["chosen"]["error"] <= 0.01
-    assert found["recommendation"]["asked"] == {"error": 0.01, "wanted": ["omega_out"]}
+    assert found["recommendation"]["request"] == {"error": 0.01, "outputs": ["omega_out"]}
     settings = {(row["fidelity"], row["method"], row["setting"]) for row in found["rows"]}
     assert {("averaged", "", "map"), ("rigid", "", "tolerance 1e-05")} <= settings
     rows = (tmp_path / "out" / "tradeoff.csv").read_text().splitlines()
@@ -157,7 +157,7 @@ def test_tradeoff_of_a_scene_for_machines(tmp_path):
 
 @pytest.mark.parametrize("fmu", FMUS, ids=lambda fmu: fmu.identifier)
 def test_check_finds_no_problem_in_ours(built, tmp_path, fmu):
-    # the process of a Python FMU is left in a way of its own
+    # A Python FMU ends its process in an unusual way, so use a separate process.
     done = (own_process if fmu is PYTHON_FMU else command)("check", built / fmu.file_name, folder=tmp_path)
     assert done.exit_code == 0
     assert "no problems found" in done.stdout
@@ -174,7 +174,7 @@ def test_check_tells_what_is_wrong_with_another(built, tmp_path):
     assert any("furlong" in problem for problem in json.loads(done.stdout)["problems"])
 
 
-# files and options of a job, and what it is told
+# Files and options of a study, and its expected arguments.
 OPTIONS = {
     "sweep": (
         [REFERENCE, "--vary=a=1:2", "--sample=latin:3", "--seed=7", "--sensitivity=8"],
@@ -238,7 +238,7 @@ def test_options_of_a_job_reach_it_and_what_it_refuses_is_one_line(name, tmp_pat
     assert {key: told[key] for key in expected} == expected
 
 
-# --- what is refused; sentences about scenes are those of test_scene ---
+# --- errors (test_scene.py tests the sentences about scenes) ---
 
 
 @pytest.mark.parametrize("arguments, words", REFUSED["options"])
@@ -269,9 +269,9 @@ def test_files_that_are_none_are_named_and_no_folder_is_made_for_nothing(tmp_pat
     assert list(tmp_path.iterdir()) == []
 
 
-# --- a place that cannot be written to is found out before the work, not after it ---
+# --- a folder without write permission is an error before the work ---
 
-# arguments, and what does the work of each command
+# Arguments of each command, and the function that does its work.
 COMMANDS = {
     "build": (["build"], "fmu.builder.content_of"),
     "run": (["run", REFERENCE], "scene.run_scene"),
@@ -283,7 +283,7 @@ COMMANDS = {
 
 
 def places(folder):
-    """Places that cannot be written to, and words on why."""
+    """Return paths without write permission, and words of the reason."""
     (folder / "table.csv").write_text("a file")
     (folder / "nowhere").symlink_to(folder / "gone")
     found = {
@@ -308,7 +308,7 @@ def test_a_place_that_cannot_be_written_is_refused_before_the_work(name, tmp_pat
         demand = f"error: cannot write to {place}: "
         is_one_line(command(*arguments, "-o", place), demand, words)
     assert {path.name for path in tmp_path.iterdir()} <= {"table.csv", "nowhere", "locked"}
-    if name != "build":  # so is the folder that is written to without being named
+    if name != "build":  # The folder may also be implicit.
         (tmp_path / "out").write_text("a file")
         is_one_line(command(*arguments, folder=tmp_path), "error: cannot write to out")
 
@@ -319,9 +319,9 @@ def test_a_table_that_cannot_be_written_says_so_in_a_sentence(tmp_path):
         Result.from_columns({"time": [0.0]}).to_csv(tmp_path / "file" / "table.csv")
 
 
-# --- closed outputs, a full disk, devices in place of files ---
+# --- closed outputs, full disks, devices instead of files ---
 
-# a command and closed or full outputs of the shell, the line on the error output, the exit code
+# A command with closed or full outputs of the shell, the line on the error output, the exit code.
 OUTPUTS = [
     ("new planar | head -0", "error: standard output: Broken pipe", 1),
     (f"chart {REFERENCE} | head -0", "error: standard output: Broken pipe", 1),
@@ -343,7 +343,7 @@ def test_closed_or_full_outputs_are_one_line(tmp_path, arguments, line, code):
     assert (done.stderr, done.returncode) == (f"{line}\n" if line else "", code)
 
 
-# a process that can write files of 1,000 bytes, as on a disk that is nearly full
+# This process can write files of at most 1,000 bytes, like a nearly full disk.
 NEARLY_FULL = """
 import resource
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
@@ -396,9 +396,9 @@ def test_file_that_is_too_large_is_refused(tmp_path):
         Result.from_csv(path)
 
 
-# --- what is printed reaches the terminal: every letter of a message, within its width ---
+# --- messages appear on the terminal unchanged and within its width ---
 
-# a style, a picture and a closing tag to rich; to a user the name of an extra, of a key and of a folder
+# rich reads a style, a picture and a closing tag; users read an extra, a key and a folder.
 AWKWARD = "[fast] :key: [/tmp]"
 
 
@@ -457,7 +457,7 @@ def example_of(name):
     return arguments
 
 
-# more arguments that shorten the work of an example
+# These arguments shorten the work of an example.
 SHORTER = {"design": [f"--set=search.{key}" for key in ("population=8", "generations=1", "starts=1")]}
 SLOW = ("build", "design", "export", "fit", "orders", "sweep")
 NAMES = [

@@ -37,7 +37,7 @@ def run(system, inputs, start):
 
 
 SHAFT = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.05}
-# parameters, maximum deviation with state = "motion", names of the states
+# Parameters, maximum deviation with state = "motion", names of the states.
 MOTIONS = [
     ({"fidelity": "averaged"}, 1e-7, ["omega_out", "omega1_held"]),
     ({}, 1e-6, ["drive_angle", "omega2", "omega_out", "omega1_held"]),
@@ -61,7 +61,7 @@ def test_system_equals_stepping_to_the_bit_or_within_the_tolerance_from_its_moti
     path, is_native = built / f"{name}.fmu", name != "InertiaModulePy"
     steps = 100 if is_native else 40
     time = STEP * np.arange(steps)
-    # one smooth input, one with a jump
+    # One smooth input, one with a jump.
     inputs = np.stack([100.0 + 20.0 * np.sin(9.0 * time), 10.0 + 5.0 * (time > 0.5 * time[-1])])
     names, outputs, start = SPEEDS, OUTPUTS, START
     if "drive" in parameters:
@@ -111,7 +111,7 @@ def test_result_depends_only_on_state_and_input(built, name, parameters, state):
             x = plant.system.dynamics(0.0, x, u)
         first = plant.system.dynamics(0.0, x, u)
         outputs = plant.system.output(0.0, first, u)
-        # calls in between: another state, a read, a rejected step, another instance and a copy
+        # Calls in between: another state, a read, a rejected step, another instance and a copy.
         plant.system.dynamics(0.0, plant.start, [120.0, 0.0])
         plant.system.output(0.0, plant.start, u)
         assert_refused("omega1", plant.system.dynamics, 0.0, x, [np.nan, 0.0])

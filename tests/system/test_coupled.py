@@ -26,23 +26,24 @@ PURE_INERTIA = {"input_inertia": INTERFACE, "imbalance_mass": 1e-9}
 SPEED, TORQUE_STEP = 100.0, 1.0
 
 
-one_piece = study.one_piece
+monolithic = study.monolithic
 
 
 @cache
 def reference(name, ratio):
     """Course of a case in one piece, which takes seconds."""
-    return one_piece(study.CASES[name](ratio))
+    return monolithic(study.CASES[name](ratio))
 
 
 # --- the added-mass limit, on a module that is an inertia and little else ---
 
 
 def characteristic(scheme, r, rho):
-    """Polynomial of the growth in a step, of any length, highest power first: a step passes momentum on.
+    """Return the polynomial of the growth per step of any length, highest power first.
 
-    u and m are the changes of speed of engine and module, (1 + rho) u = (rho - r) m with r = Phi/J_E and
-    rho what the engine reckons with, over J_E; m is u of the step before, or 2 u - u along a ramp.
+    u and m are the speed changes of engine and module: (1 + rho) u = (rho - r) m, with r = Phi/J_E and rho
+    the inertia of the scheme over J_E. m is u of the previous step, or 2 u minus u of the step before along a
+    ramp.
     """
     return {
         Scheme.JACOBI: (1.0, 0.0, r),
@@ -70,7 +71,7 @@ def speed_changes(scheme, ratio, step, fmu, share=1.0, count=300):
 @pytest.mark.parametrize(
     "scheme, share, ratio, step, stable",
     [
-        # what the engine reckons with, over the interface inertia; shorter steps do not move the limit
+        # inertia of the scheme over the interface inertia; shorter steps do not change the limit
         *(
             (scheme, share, ratio, step, ratio < 1.0)
             for scheme, share in (
@@ -114,9 +115,9 @@ def test_speed_changes_approach_the_response_of_the_total_inertia(fmu, scheme):
 def test_interface_inertia_equals_a_rolling_satellite():
     """Held wheel: the imbalance turns about the point of contact at (1 + k) omega1, r - l to r + l away."""
     turned = 3 * 0.3 * (1.0 + 0.1 / 0.06) ** 2
-    found = driveline.interface_inertia(study.URBAN_MODULE)
-    assert found.minimum == pytest.approx(turned * 0.02**2, rel=1e-12)
-    assert found.maximum == pytest.approx(turned * 0.10**2, rel=1e-12)
+    interface = driveline.interface_inertia(study.URBAN_MODULE)
+    assert interface.minimum == pytest.approx(turned * 0.02**2, rel=1e-12)
+    assert interface.maximum == pytest.approx(turned * 0.10**2, rel=1e-12)
 
 
 # --- accuracy ---
@@ -128,16 +129,16 @@ def test_coupling_converges_to_the_monolithic_reference(fmu, name, ratio, close)
     # by torque in steps that meet the samples
     by_torque = [(None, step, 1e-9) for step in (SAMPLE / 4, SAMPLE)]
     for scheme, step, bound in [(Scheme.IMPLICIT, 1e-4, close), *by_torque]:
-        found = course(case, scheme, step, fmu, 1e-10)
-        assert np.abs(found.omega1 - expected.omega1).max() < bound * case.speed
-        assert np.abs(found.omega_out - expected.omega_out).max() < bound * expected.omega_out.max()
-        assert found.work == pytest.approx(expected.work, rel=bound)
-        assert abs(found.ledger.defect) < bound * expected.work
+        actual = course(case, scheme, step, fmu, 1e-10)
+        assert np.abs(actual.omega1 - expected.omega1).max() < bound * case.speed
+        assert np.abs(actual.omega_out - expected.omega_out).max() < bound * expected.omega_out.max()
+        assert actual.work == pytest.approx(expected.work, rel=bound)
+        assert abs(actual.ledger.defect) < bound * expected.work
 
 
 def test_torque_driven_steps_between_samples_delay_the_speed(fmu):
     steps, expected = (2e-3, 1e-2, 2e-2), reference("planar", 0.5)
-    errors = [trial(planar(0.5), TORQUE, step, expected, fmu).worst for step in steps]
+    errors = [trial(planar(0.5), TORQUE, step, expected, fmu).max_error for step in steps]
     assert 1e-4 < errors[0] < errors[1] < errors[2]
 
 
@@ -154,14 +155,14 @@ def test_engine_work_equals_the_sum_of_all_energies(fmu, scheme, step, loss):
         for _ in range(round(0.6 / step)):
             coupled.advance(step)
         names = ("energy_out", "energy_lost", "energy_in", "energy_residual", "engine_work_in", "bond_defect")
-        out, lost, given, residual, worked, defect = coupled.read(names)
-        left = worked - out - lost - (coupled.energy_stored - before)
-        assert left == pytest.approx(defect, abs=1e-5 * worked)
-        assert abs(residual) < 1e-7 * worked
-        assert abs(defect) < loss * worked
+        out, lost, energy_in, residual, work, defect = coupled.read(names)
+        difference = work - out - lost - (coupled.energy_stored - before)
+        assert difference == pytest.approx(defect, abs=1e-5 * work)
+        assert abs(residual) < 1e-7 * work
+        assert abs(defect) < loss * work
         if scheme is None:  # by torque no rotor is in between
-            assert worked == pytest.approx(given, rel=1e-12)
-            assert abs(left) < 1e-7 * worked
+            assert work == pytest.approx(energy_in, rel=1e-12)
+            assert abs(difference) < 1e-7 * work
 
 
 def test_torque_driven_engine_has_the_speed_of_link_1_and_respects_its_map(fmu):
@@ -174,14 +175,14 @@ def test_torque_driven_engine_has_the_speed_of_link_1_and_respects_its_map(fmu):
                 coupled.advance(SAMPLE)
                 torques.append(coupled.read(("engine_torque", "drive_torque")))
         names = ("engine_speed", "input_speed", "engine_angle", "input_angle", "input_turns", "engine_energy")
-        speed, given, angle, rest, turns, energy = coupled.read(names)
-        assert speed == given
+        speed, torque_now, angle, rest, turns, energy = coupled.read(names)
+        assert speed == torque_now
         assert angle == pytest.approx(rest + 2.0 * math.pi * turns, rel=1e-12)
         assert energy == pytest.approx(0.5 * case.engine().inertia * speed**2, rel=1e-12)
         assert coupled.ledger.cost == 200
-    found = np.array(torques)
-    assert found[:, 1] == pytest.approx(found[:, 0], rel=1e-12)
-    assert (found[:, 0].max(), found[:, 0].min()) == (200.0, -20.0)
+    torque_values = np.array(torques)
+    assert torque_values[:, 1] == pytest.approx(torque_values[:, 0], rel=1e-12)
+    assert (torque_values[:, 0].max(), torque_values[:, 0].min()) == (200.0, -20.0)
 
 
 def test_a_plant_in_substeps_is_a_plant_in_steps(fmu):
@@ -202,21 +203,23 @@ def test_a_plant_in_substeps_is_a_plant_in_steps(fmu):
 def test_quick_map_has_the_rows_of_the_page_and_finds_the_torque_best_and_cheapest(
     fmu, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(study, "one_piece", lambda case: reference(case.name, case.ratio))
+    monkeypatch.setattr(study, "monolithic", lambda case: reference(case.name, case.ratio))
     rows = study.coupling_map(fmu, quick=True)
-    told = {tuple(row[name] for name in ("case", "ratio", "scheme", "step")): row for row in read_rows(TABLE)}
+    table = {
+        tuple(row[name] for name in ("case", "ratio", "scheme", "step")): row for row in read_rows(TABLE)
+    }
     for row in (row for row in rows if row.step == 1e-3):
-        of_page = told[row.case, f"{row.ratio:g}", row.scheme, f"{row.step:g}"]
+        of_page = table[row.case, f"{row.ratio:g}", row.scheme, f"{row.step:g}"]
         assert of_page["stable"] == str(row.stable)
         for column in ("speed_error", "output_error", "energy_error", "cost") if row.stable else ():
             assert float(of_page[column]) == pytest.approx(getattr(row, column), rel=0.02, abs=1e-6)
-    fine = sorted((row for row in rows if row.step < 2e-3), key=lambda row: row.worst)
+    fine = sorted((row for row in rows if row.step < 2e-3), key=lambda row: row.max_error)
     assert [row.scheme for row in fine] == [TORQUE, *reversed(SCHEMES)]
-    found = {(row.scheme, row.step): row for row in rows}
-    by_torque, implicit = found[TORQUE, SAMPLE], found["implicit ramp", 1e-3]
-    assert max(row.worst for (scheme, _), row in found.items() if scheme == TORQUE) < 1e-7
+    by_scheme = {(row.scheme, row.step): row for row in rows}
+    by_torque, implicit = by_scheme[TORQUE, SAMPLE], by_scheme["implicit ramp", 1e-3]
+    assert max(row.max_error for (scheme, _), row in by_scheme.items() if scheme == TORQUE) < 1e-7
     assert implicit.cost >= 20 * by_torque.cost
-    assert implicit.worst > 1e3 * by_torque.worst
+    assert implicit.max_error > 1e3 * by_torque.max_error
     written = study.write_part(tmp_path, "map", rows)
     assert all(Path(file).stat().st_size > 500 for file in written.values())
     again = read_rows(tmp_path / "coupling_map.csv")
@@ -262,8 +265,8 @@ def test_recommended_steps_keep_within_a_percent_and_a_half_in_the_rows_of_the_p
 
 @pytest.mark.parametrize("name, order", [*zip(SCHEMES, (1.0, 1.0, 2.0, 2.0), strict=True)])
 def test_error_falls_with_the_order_of_the_scheme_in_the_rows_of_the_page(name, order):
-    wanted = {"case": "planar", "ratio": "0.3", "scheme": name}
-    rows = [row for row in read_rows(TABLE) if wanted.items() <= row.items()]
+    key = {"case": "planar", "ratio": "0.3", "scheme": name}
+    rows = [row for row in read_rows(TABLE) if key.items() <= row.items()]
     errors = {float(row["step"]): float(row["output_error"]) for row in rows}
     assert math.log(errors[1e-3] / errors[2e-4]) / math.log(5.0) > 0.85 * order
 
@@ -273,20 +276,20 @@ def test_error_falls_with_the_order_of_the_scheme_in_the_rows_of_the_page(name, 
 
 def test_energy_over_the_launch_adds_up_but_with_a_held_speed_in_long_steps(fmu):
     scene = study.urban_scene()
-    found = study.urban_run(scene, fmu, TORQUE, 2, stop_time=20.0)
-    assert abs(found.residual) < 1e-6
-    assert found.outside == 0.0
-    assert found.cost == pytest.approx(200.0)
+    run = study.urban_run(scene, fmu, TORQUE, 2, stop_time=20.0)
+    assert abs(run.residual) < 1e-6
+    assert run.outside == 0.0
+    assert run.cost == pytest.approx(200.0)
     assert abs(study.urban_run(scene, fmu, "implicit ramp", 5, stop_time=20.0).residual) < 1e-3
     assert abs(study.urban_run(scene, fmu, "mean module first held", 1, stop_time=20.0).residual) > 0.05
 
 
-# --- what is refused ---
+# --- rejections ---
 
 
 def test_parameters_add_the_rotor_to_link_1():
-    found = driveline.torque_driven({"z2": 30.0, "input_inertia": 0.05}, 0.1)
-    assert found == {"z2": 30.0, "input_inertia": pytest.approx(0.15), "drive": 1.0}
+    parameters = driveline.torque_driven({"z2": 30.0, "input_inertia": 0.05}, 0.1)
+    assert parameters == {"z2": 30.0, "input_inertia": pytest.approx(0.15), "drive": 1.0}
 
 
 @pytest.mark.parametrize("name", study.COUPLINGS)

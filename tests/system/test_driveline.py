@@ -52,7 +52,7 @@ def no_brake(step):
 
 def test_viscous_friction_decelerates_a_coasting_shaft_exponentially(compiled):
     """The error is of first order in the step."""
-    driveline.shaft_load(0.1, 0.5, viscous_friction=12.0).check_step(0.8)  # a lighter shaft is rejected below
+    driveline.shaft_load(0.1, 0.5, viscous_friction=12.0).check_step(0.8)  # A lighter shaft is rejected below
     friction, own, driven = 0.4, 0.1, 0.9
     errors = []
     for step in (0.02, 0.01):
@@ -90,7 +90,7 @@ def test_step_is_rejected_exactly_if_the_oscillation_grows(stiffness, damping, s
     assert bool(np.abs(table["omega_out"]).max() < 3.0) == stable
     if stable:
         load.check_step(0.5)
-        if damping == 0.0:  # the amplitude stays constant over many periods
+        if damping == 0.0:  # The amplitude stays constant over many periods
             table = spin(Shaft(0.5, speed=10.0), load, 20.0)
             difference = np.abs(table["omega_out"] - table["load_speed"])
             assert difference[-400:].max() == pytest.approx(difference[:400].max(), rel=0.01)
@@ -139,7 +139,7 @@ def test_elastic_vehicle_stops_and_stays_at_rest():
     load = vehicle(step, rolling_resistance=0.02, coupling=driveline.Coupling(2000.0, 10.0))
     table = spin(Shaft(0.2, speed=0.0, drive=0.0), load, 5.0, no_brake(step))
     assert np.abs(table["vehicle_speed"]).max() == 0.0
-    # accelerated against the friction, then without a torque
+    # Accelerate against the friction, then remove the torque.
     plant = Shaft(0.2, drive=60.0)
     loop = driveline.ClosedLoop(plant, driveline.connect([load.system, no_brake(step)]), ["omega_out"])
 
@@ -237,7 +237,7 @@ def test_anti_windup_ends_saturation_without_delay():
     assert speeds[1999] == pytest.approx(10.0, rel=1e-3)
     assert commands[2000] == 0.0
     below = np.flatnonzero(speeds[2000:] < 4.0)[0] * 0.01
-    assert below == pytest.approx(2.0 * math.log(10.0 / 4.0), abs=0.05)  # the shaft coasts
+    assert below == pytest.approx(2.0 * math.log(10.0 / 4.0), abs=0.05)  # The shaft coasts
     assert speeds[2000:].min() > 3.0
     assert speeds[-1] == pytest.approx(4.0, rel=1e-6)
     assert 0.0 <= commands.min() < commands.max() <= 5.0
@@ -313,7 +313,7 @@ STEP = 0.01
 ROAD = driveline.Table([0.0, 2.0, 5.0], [0.02, 0.1, -0.1])
 COUPLING = driveline.Coupling(2000.0, 10.0)
 ENGINE_MAP = driveline.EngineMap((0.0, 100.0, 300.0), (20.0, 36.0, 32.0), (6.0, 8.0, 14.0))
-# each system of the package, and the range of each of its inputs
+# Each system of the package, and the range of each of its inputs
 SYSTEMS = {
     "source": (lambda: driveline.source("load_torque", driveline.Table([0.0, 0.7], [1.0, 8.0]), STEP), ()),
     "rigid shaft": (lambda: driveline.shaft_load(STEP, 0.5, 0.3, torque=2.0).system, [(-20.0, 90.0)]),

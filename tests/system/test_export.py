@@ -1,4 +1,4 @@
-"""Systems for other tools: the SSP file in four readers, the OSP structure in libcosim, FMPy's container."""
+"""Test exported systems: the SSP file in four readers, the OSP structure in libcosim, the FMPy container."""
 
 import contextlib
 import functools
@@ -31,21 +31,21 @@ from tests.system.programs import needs, printed, process, programs
 
 ROOT = Path(__file__).parents[2]
 BY_TORQUE = {"drive": 1.0, "input_inertia": 0.3}
-# mechanism and inputs: a choice, a number, a Boolean that is false, and wires are among them
+# Mechanism and inputs include a choice, a number, a Boolean that is false, and connections.
 SYSTEMS = {
     "module alone": (MECHANISMS["planar"] | {"housing_freewheel": 0.0}, INPUTS),
     "driven by torque": (ELASTIC | BY_TORQUE, INPUTS | {"drive_torque": 25.0, "load_torque": 7.0}),
     "turning at the start": (ELASTIC | {"omega_out_start": 20.0}, INPUTS),
 }
-STEP, STOP = 1e-3, 1.0  # those of the programs in export.md
+STEP, STOP = 1e-3, 1.0  # The programs in export.md use these times.
 RUN = {"stop_time": STOP, "output_interval": STEP}
-# module that a reader of SSP is imported by, and the tolerance it gives to FMUs
+# Python module of each SSP reader, and the tolerance that it sets in the FMUs.
 READERS = {"OMSimulator": 1e-4, "libcosimpy": None, "ecospy": None, "fmpy": None}
 OSP_FILE = {'from_ssp_file("system.ssp")': 'from_osp_config_file("osp")'}
 
 
 class Exported(NamedTuple):
-    """A plan, the folder it is exported to, and what a plain loop over its FMUs ends with, by tolerance."""
+    """A plan, its export folder, and the final outputs of a plain loop over its FMUs, by tolerance."""
 
     name: str
     plan: Plan
@@ -55,7 +55,7 @@ class Exported(NamedTuple):
 
 @pytest.fixture(scope="module")
 def here():
-    """Exports have libraries for this platform alone."""
+    """Limit the exports to libraries for this platform."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(systems, "Build", functools.partial(Build, targets=HERE))
         yield
@@ -70,7 +70,7 @@ def exported(request, here, tmp_path_factory):
 
 
 def looped(plan, folder, tolerance=None):
-    """Outputs shown at the end of a plain loop over the FMUs, by 'part.output'."""
+    """Return the outputs at the end of a plain loop over the FMUs, by 'part.output'."""
     with contextlib.ExitStack() as stack:
         fmus = {}
         for part in plan.parts:
@@ -89,7 +89,7 @@ def looped(plan, folder, tolerance=None):
 
 
 def program(reader):
-    """The program for a reader, as the documentation has it."""
+    """Return the program for a reader from the documentation."""
     return next(block for block in programs("how_to/export.md") if block.startswith(f"from {reader}"))
 
 
@@ -98,9 +98,9 @@ def test_documented_program_runs_the_ssp_file_to_the_numbers_of_a_plain_loop(rea
     needs(reader)
     (found,) = printed(program(reader), exported.folder)
     expected = exported.looped(READERS[reader])["module.omega_out"]
-    assert abs(expected) > 1.0  # not at rest, where all agree
+    assert abs(expected) > 1.0  # At rest all readers would agree.
     if reader == "fmpy" and exported.name == "turning at the start":
-        assert found != pytest.approx(expected, rel=1e-3)  # its first step begins with zeros
+        assert found != pytest.approx(expected, rel=1e-3)  # FMPy sets the inputs of its first step to 0.
     else:
         assert found == pytest.approx(expected, rel=1e-9)
     if reader == "libcosimpy":
@@ -121,15 +121,15 @@ def test_container_runs_to_the_numbers_of_a_plain_loop(exported):
 def test_ssp_file_is_valid_and_portable(exported):
     path = exported.folder / "system.ssp"
     packed = files_of(path)
-    system = read_ssd(str(path)).system  # validates structure and values against the schemas of SSP 1.0
+    system = read_ssd(str(path)).system  # validates against the schemas of SSP 1.0
     assert b'startTime="0.0" stopTime="1.0"' in packed["SystemStructure.ssd"]
-    assert system.connectors == []  # libcosim and Ecos refuse connections to them
+    assert system.connectors == []  # libcosim and Ecos reject connections to system connectors.
     assert {
         (c.startElement, c.startConnector, c.endElement, c.endConnector) for c in system.connections
     } == set(exported.plan.wires)
     wired = {(wire.sink, wire.input) for wire in exported.plan.wires}
     for part, component in zip(exported.plan.parts, system.elements, strict=True):
-        # OMSimulator and FMPy set those that are not wired to zero
+        # OMSimulator and FMPy set unconnected inputs to zero.
         assert {(part.name, c.name) for c in component.connectors if c.kind == "input"} == wired & {
             (part.name, c.name) for c in component.connectors
         }
@@ -139,12 +139,12 @@ def test_ssp_file_is_valid_and_portable(exported):
         assert values.name == "initialValues"
         assert {p.name for p in values.parameters} == part.values.keys()
         for parameter in values.parameters:
-            assert parameter.type == described[parameter.name].type  # none is an Enumeration
+            assert parameter.type == described[parameter.name].type  # No parameter is an Enumeration.
             assert parameter.unit == described[parameter.name].unit
 
 
 def test_container_describes_itself_as_fmi_2_wants(exported):
-    """FMPy alone gives all containers one GUID, variables that can be set twice, and no units."""
+    """FMPy alone gives all containers one GUID, duplicate settable variables, and no units."""
     description = read_model_description(str(exported.folder / "container.fmu"))
     variables = {variable.name: variable for variable in description.modelVariables}
     assert re.fullmatch(r"\{[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}\}", description.guid)
@@ -168,7 +168,7 @@ def test_files_are_valid_fmus_of_their_own_with_the_same_bytes_each_time(exporte
     other = io.BytesIO(container(exported.plan._replace(step=2 * STEP), fmus))
     path = str(exported.folder / "container.fmu")
     assert read_model_description(other).guid != read_model_description(path).guid
-    # its values can be set
+    # The values of the container can be set.
     heavier = simulate_fmu(path, start_values={"shaft.driven_inertia": 1.0}, **RUN)
     assert heavier["shaft.omega_out"][-1] < exported.looped(None)["shaft.omega_out"]
 
@@ -185,7 +185,7 @@ def test_mechanism_without_a_shaft_is_a_single_fmu(exported):
 
 
 def test_an_export_has_libraries_for_all_platforms(built_for_all, tmp_path, monkeypatch):
-    monkeypatch.setattr(systems, "Build", Build)  # whatever runs before
+    monkeypatch.setattr(systems, "Build", Build)  # Undo the limit of other tests to one platform.
     export(make_plan("planar", *SYSTEMS["module alone"], STEP, STOP), tmp_path)
     ours, theirs = (files_of(folder / "InertiaModule.fmu") for folder in (tmp_path / "osp", built_for_all))
     assert list(ours) == list(theirs)
@@ -207,13 +207,13 @@ def test_scenes_are_exported_with_their_mechanism_drive_and_start():
         scene_plan(scene.with_fidelity("auto", 0.01))
 
 
-# --- the FMU Manipulation Toolbox, another's: its checker, and its container, a host of FMI 2.0 and 3.0 ---
+# --- FMU Manipulation Toolbox: its checker, and its container, a host of FMI 2.0 and 3.0 ---
 
 TOOLBOX = "fmu_manipulation_toolbox"
 
 
 def tool(name, *arguments, folder):
-    """Run one of the tools; its output."""
+    """Run one of the tools and return its output."""
     done = process("-m", f"{TOOLBOX}.cli.{name}", *arguments, folder=folder)
     return done.stdout + done.stderr
 

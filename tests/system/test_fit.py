@@ -1,4 +1,4 @@
-"""Fit: values found in data of the independent reference, what the data cannot tell, files, refusals."""
+"""Test fits: estimates and intervals, identifiability, causes of residuals, files and errors."""
 
 import importlib
 import json
@@ -28,7 +28,7 @@ SETS = 16
 
 @pytest.fixture(scope="module")
 def rig():
-    """The script that made the data of the example."""
+    """Return the script that makes the data of the example."""
     from benchmarks import fit_rig_data
 
     return fit_rig_data
@@ -36,7 +36,7 @@ def rig():
 
 @pytest.fixture(scope="module")
 def known(rig):
-    """The scene with the true values, for fits of one key: they take a tenth of the runs of two."""
+    """Return the scene with the true values; the fit of a single key needs few runs."""
     return load_scene(SCENE).with_keys({f"mechanism.{name}": rig.TRUE[name] for name in FREE})
 
 
@@ -46,7 +46,7 @@ def found(fmu, tmp_path_factory):
     return studies.fit(MEASURED, SCENE, free, starts=2, output=tmp_path_factory.mktemp("fit"), fmu=fmu)
 
 
-# --- what is found ---
+# --- estimates ---
 
 
 def test_example_finds_the_truth_and_the_noise(found, rig):
@@ -63,14 +63,14 @@ def test_example_finds_the_truth_and_the_noise(found, rig):
 
 def test_interval_ends_at_the_squared_quantile_of_the_profile(fmu, found, tmp_path):
     def squares(fit):
-        """Sum over the noise that was found."""
+        """Return the sum of squared residuals, scaled by the estimated noise."""
         return sum(np.sum((fit.table()[f"{name}_residual"] / found.noise[name]) ** 2) for name in found.noise)
 
     for name, other in ([*FREE], [*FREE][::-1]):
         for end in found[name].interval_if_exact:
             free = {name: f"{end!r} +- 0", other: None}
             fit = studies.fit(MEASURED, found.scene, free, output=tmp_path, fmu=fmu)
-            # the squared quantile of Student's t is 3.86
+            # The squared quantile of Student's t is 3.86.
             assert 3.0 < squares(fit) - squares(found) < 4.7
 
 
@@ -107,9 +107,9 @@ def test_intervals_are_as_wide_as_the_values_scatter(fmu, rig, tmp_path, monkeyp
             fit[name].interval_if_exact[0] <= rig.TRUE[name] <= fit[name].interval_if_exact[1]
             for name in FREE
         ]
-    # a false alarm in a hundred
+    # One false alarm in a hundred fits is expected.
     assert named <= 1
-    # of 95 %; chi-squared of 16 values is between 3.9 and 39 in 99.8 % of all cases
+    # The intervals have 95 % coverage. Chi-squared of 16 values is between 3.9 and 39 in 99.8 % of cases.
     assert inside.min() >= 12
     squares = np.sum(np.square(off), axis=0)
     assert 3.9 < squares.min() <= squares.max() < 39.3
@@ -180,7 +180,7 @@ def test_specified_noise_sets_weights_and_tests(fmu, known, tmp_path):
     units = {**units, "omega2_noise": "rad/s", "omega_out_noise": "rad/s"}
     fit = studies.fit(Result.from_columns(noisy, units), known, MASS, output=tmp_path, fmu=fmu)
     assert fit.estimated == []
-    # half of what it is in one of two columns: (1 + 4) / 2
+    # The specified noise of one of the two columns is half the true noise: (1 + 4) / 2.
     assert fit.chi_squared == pytest.approx(2.5, rel=0.1)
     assert any("the residuals are larger than the specified noise" in line for line in fit.warnings)
 
@@ -212,7 +212,7 @@ def test_same_seed_same_result(fmu, known, tmp_path):
     assert fit.as_dict() == again.as_dict()
 
 
-# --- what is not free ---
+# --- fixed parameters ---
 
 
 def with_column(table, **columns):
@@ -241,7 +241,7 @@ def test_correct_data_have_no_cause_and_intervals_name_the_released_parameters(f
     assert set(mass.released) < set(found.candidate_lines())
     low, high = mass.interval_if_exact
     assert mass.interval[0] < low < high < mass.interval[1]
-    # it rotates with link 2, because the speed of link 1 is prescribed
+    # The inertia rotates with link 2, because the speed of link 1 is prescribed.
     assert "mechanism.drive_inertia" in found.candidate_lines()["not separately identifiable"]
     assert set(found.scale) == {"mechanism.output_inertia", "load.torque"}
     lines = found.lines()
@@ -263,7 +263,7 @@ def test_an_offset_of_a_sensor_is_named_and_freed_it_gives_the_truth(offset, rig
     for name in FREE:
         low, high = freed[name].interval
         assert low <= rig.TRUE[name] <= high
-    # the candidate was fitted in full
+    # The candidate was fitted in full.
     (cause,) = found.causes
     assert cause.value == pytest.approx(freed["offset.omega_out"].value, abs=0.005)
     assert cause.values["mechanism.link2_inertia"] == pytest.approx(freed["link2_inertia"].value, rel=0.02)
@@ -299,7 +299,7 @@ def test_wrong_unit_is_named_for_a_column_and_for_all(fmu, measured, tmp_path):
 
 @pytest.fixture(scope="module")
 def lossy(rig):
-    """Measured on a machine with losses."""
+    """Return measurements of a machine with losses."""
     losses = {"link2_friction": 0.02, "output_friction": 0.05, "mesh_efficiency": 0.97}
     columns = rig.measured(rig.true_speeds(imbalance_mass=1.13, **losses), 1)
     names, units = ["time", "omega2", "omega_out"], {"time": "ms", "omega2": "rpm", "omega_out": "rpm"}
@@ -318,7 +318,7 @@ def test_unmodelled_loss_is_named_and_other_intervals_widen(fmu, rig, lossy, tmp
     for name, true in {"imbalance_mass": 1.13, "link2_inertia": 0.0062, "output_friction": 0.05}.items():
         low, high = freed[name].interval
         assert low <= true <= high
-    # the data tell less of the mesh than was known
+    # The data determine the mesh efficiency less accurately than its prior.
     low, high = freed["mesh_efficiency"].interval_if_exact
     assert 0.02 < high - low < 0.045
     assert freed.causes == []
@@ -339,7 +339,7 @@ def test_prior_is_not_reported_as_a_cause_or_bound(fmu, known, tmp_path):
     names = {one.name for one in fit.candidates}
     assert not names & {"mechanism.output_inertia", "load.torque", "offset.omega2"}
     assert "mechanism.mesh_efficiency" in names
-    # what is known of a sensor is taken off
+    # The known offset of the sensor is subtracted.
     measured = fit.measurement.table["omega2"]
     assert np.mean(fit.computed["omega2"] - measured) == pytest.approx(0.5, abs=0.1)
     with pytest.raises(
@@ -370,7 +370,7 @@ def test_fits_are_correct_or_report_doubts(fmu, tmp_path, number):
 
 
 def seen(fmu, scene, names, times, late=()):
-    """Columns of a scene at times, shape (times, names), of sensors that are late, s."""
+    """Return columns of a scene at times, shape (times, names); `late` is the delay of each sensor, s."""
     table = Result.from_columns({"time": times} | dict.fromkeys(names, 0.0 * times))
     with Rig(scene, measurement(table, scene), fmu) as rig:
         return rig.computed({f"shift.{name}": one for name, one in zip(names, late, strict=False)})
@@ -382,11 +382,11 @@ def test_shifted_column_of_any_kind_is_read_earlier(fmu):
     together = seen(fmu, scene, names, times, late)
     for n, name in enumerate(names):
         (alone,) = seen(fmu, scene, [name], times - late[n]).T
-        # a peak is that of the steps taken
+        # Peaks depend on the steps.
         assert together[:, n] == pytest.approx(alone, rel=1e-2 if name.endswith("_peak") else 1e-6)
 
 
-# --- measured between communication points ---
+# --- measurements between communication points ---
 
 
 def test_times_within_steps_agree_with_short_steps(fmu):
@@ -420,7 +420,7 @@ def test_a_speed_extrapolated_over_steps_is_not_stopped_within_them(fmu):
     assert re.match(r".* each time must be a multiple of .* = 0.005 s .got 0.007 s", rig.rejection)
 
 
-# --- what is refused, and the command ---
+# --- errors and the command ---
 
 
 def test_invalid_fit_is_an_error_in_a_sentence(fmu, tmp_path):

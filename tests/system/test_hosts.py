@@ -10,7 +10,7 @@ from tests.system.programs import needs, printed
 
 STEP, EVERY = 0.01, 10
 OUTPUTS = ("omega_out", "omega2", "input_torque_mean", "output_torque_mean", "imbalance_acceleration")
-# speeds of three modules at the start, and inputs of the first one before each ten steps
+# Initial speeds of three modules, and inputs of the first one before each ten steps.
 SPEEDS = (100.0, 70.0, 100.0)
 CHANGES = ({}, {"omega1": 104.0}, {"load_torque": -3.0, "omega1": 90.0}, {})
 GIVEN = f"STEP, EVERY, OUTPUTS, CHANGES = {STEP}, {EVERY}, {OUTPUTS}, {CHANGES}\nSPEEDS = "
@@ -64,7 +64,7 @@ def host(request):
 
 
 def alone(path, speed, changes):
-    """Outputs at the end of one module, run in this process."""
+    """Return the final outputs of a single module in this process."""
     with Fmu(path, inputs={"omega1": speed, "load_torque": 10.0}) as fmu:
         for values in changes:
             fmu.set(**values)
@@ -78,14 +78,14 @@ def test_instances_in_a_host_follow_their_own_inputs_and_do_not_know_of_each_oth
     path, count = built / "InertiaModule.fmu", len(OUTPUTS)
     for n, speed in enumerate(SPEEDS):
         expected = alone(path, speed, CHANGES if n == 0 else ({},) * len(CHANGES))
-        # hosts count time in their own ways, in the last digits
+        # Hosts count time differently, in the last digits.
         assert values[n * count : (n + 1) * count] == pytest.approx(expected, rel=1e-9)
 
 
 def test_rejection_ends_the_run_with_a_message(host, built):
     bad = GIVEN + f"{(1e9, *SPEEDS[1:])}\n" + PROGRAMS[host]
     if host == "ecospy":
-        printed(bad, built)  # goes on without results, and survives that
+        printed(bad, built)  # Ecos continues without results.
         return
     with pytest.raises(AssertionError, match=r"omega1 must be between .* .got 10*"):
         printed(bad, built)

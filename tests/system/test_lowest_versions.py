@@ -1,4 +1,4 @@
-"""The lowest versions that pyproject.toml allows, installed together: they run scenes and studies."""
+"""Test scenes and studies with the lowest versions that pyproject.toml allows, installed together."""
 
 import os
 import re
@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 EXTRAS = ("fast", "studies", "notebook")
-# a requirement: the name, the operator, the version
+# A requirement: the name, the operator, the version.
 REQUIREMENT = re.compile(r"([\w.-]+)(>=|==)([\d.]+?)(\.\*)?(,<[\d.]+)?$")
 LIGHT = ROOT / "tests" / "system" / "light_module.toml"
 SHORT = ["--set", "run.stop_time=10 ms", "--workers", "1"]
@@ -30,7 +30,7 @@ COMMANDS = [
 
 
 def lowest(requirement):
-    """The lowest version that a requirement allows, as a requirement."""
+    """Return the lowest version that a requirement allows, as a requirement."""
     result = REQUIREMENT.match(requirement)
     assert result, f"{requirement} must have a lower bound"
     return f"{result[1]}=={result[3]}{'.0' if result[4] else ''}"

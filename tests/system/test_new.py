@@ -1,4 +1,4 @@
-"""Examples by name, keys set on the command line, the version, and the kernel that a wheel brings along."""
+"""Test the command `new`, keys on the command line, the version, and the kernel in a wheel."""
 
 import json
 import re
@@ -137,7 +137,7 @@ def test_kernel_of_a_wheel_is_that_of_its_native_fmu_and_gives_the_same_bits(
     assert {path.stem.partition("-")[0] for path in tmp_path.iterdir()} == set(MODELS)
 
 
-# memory that is asked for and never used; then the kernel is loaded and runs
+# Memory is reserved without use. Then the kernel is loaded and runs.
 FAR_APART = """
 import numpy
 from inertia_module.model import Module
@@ -198,7 +198,7 @@ def test_clone_is_installed_without_what_was_built_in_it_and_an_sdist_makes_a_co
     hook = runpy.run_path(str(ROOT / "hatch_build.py"))["ReadyMade"]
 
     def forced(folder, version="standard"):
-        """Places in a wheel of what its build puts into it from a folder."""
+        """Return the folders in a wheel that its build fills from a folder."""
         data = {"force_include": {}}
         hook(str(folder), {}, None, None, "", "wheel").initialize(version, data)
         return set(data["force_include"].values())

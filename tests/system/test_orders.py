@@ -1,4 +1,4 @@
-"""Orders: of signals that are known, of modules whose lines follow from their geometry, what is refused."""
+"""Test orders: synthetic signals, modules whose lines follow from their geometry, errors."""
 
 import functools
 import json
@@ -25,7 +25,7 @@ from tests.system.programs import left
 
 order_run = sys.modules["inertia_module.studies.order_analysis"]
 OMEGA1 = 100.0
-# the output is too heavy to move much: link 2 is nearly at rest
+# The output is too heavy to move: link 2 is nearly at rest.
 HELD = {"mechanism.output_inertia": 1e5, "load.torque": 0.0, "accuracy.tolerance": 1e-8, "run.outputs": None}
 PLANAR = {"layout": "planar", "sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04}
 PLANAR |= {"satellites": 3, "link2_inertia": 0.01}
@@ -38,7 +38,7 @@ def held(stop=4.0, omega1=OMEGA1, **mechanism):
 
 
 def imbalance_lines(scene, turns):
-    """Amplitudes of k I'(q) omega1^2 / 2 over cycles a turn of q: the torque of the imbalances on link 2."""
+    """Return amplitudes of k I'(q) omega1^2 / 2 over cycles per turn of q: the imbalance torque on link 2."""
     module = Module("plain")
     module.check(**scene.parameters())
     d = module.derived
@@ -52,12 +52,12 @@ def by_order(lines):
     return {round(line.order, 6): line.amplitude for line in lines}
 
 
-# --- signals that are known ---
+# --- synthetic signals ---
 
 
 @functools.cache
 def known(highest=None, turns=None, names=("x",)):
-    """A run-up from 20 to 200 rad/s with two lines, a mean and a trend."""
+    """Return a run-up from 20 to 200 rad/s with two lines, a mean and a trend."""
     time = np.arange(0.0, 10.0, 2e-4)
     speed = 20.0 + 18.0 * time
     turned = (20.0 * time + 9.0 * time**2) / math.tau
@@ -72,12 +72,12 @@ def test_lines_of_a_synthetic_run_up_have_their_orders_and_amplitudes(turns):
     first, second = found.largest(2)["x"]
     assert (first.order, second.order) == pytest.approx((2.5, 7.0), rel=1e-12)
     assert (first.amplitude, second.amplitude) == pytest.approx((3.0, 0.5), rel=2e-3)
-    # what the window makes of a large line beside it is none
+    # The side lobes of a large line are not listed.
     assert all(abs(line.order - 2.5) > 4.0 / found.turns for line in found.largest()["x"][1:])
     edges = 0.5 * found.turns * np.arange(found.time.size + 2)
     speed = np.sqrt(20.0**2 + 36.0 * math.tau * edges)
     assert found.speed == pytest.approx(0.5 * (speed[:-2] + speed[2:]), rel=1e-3)
-    # at every speed they are the same, a cosine and a sine of the angle
+    # At every speed the lines are a cosine and a sine of the angle.
     for line, expected in ((first, 3.0), (second, -0.5j)):
         at = int(np.argmin(np.abs(found.order - line.order)))
         assert np.abs(found.spectrum["x"][:, at] - expected).max() < 0.015
@@ -90,7 +90,7 @@ def test_waterfall_has_the_speed_of_each_window(tmp_path):
     found = known(highest=8.0, names=("x", "input_speed"))
     rows, units = read_columns(found.write(tmp_path)["waterfall"])
     assert sorted(set(rows["speed"])) == found.speed.tolist()
-    assert max(rows["input_speed"]) < 20.0  # an amplitude
+    assert max(rows["input_speed"]) < 20.0  # The column contains an amplitude.
     told = {"speed": "rad/s", "x": "N.m", "time": "s", "rpm": "rpm", "frequency": "Hz", "x_phase": "rad"}
     assert units == told | {"input_speed_phase": "rad"}
     speed, order, x = (np.array(rows[name]) for name in ("speed", "order", "x"))
@@ -128,7 +128,7 @@ def test_orders_above_the_maximum_do_not_alias():
 @pytest.mark.parametrize("turning", [0.0, 1.0])
 def test_line_of_varying_order_is_a_single_line_with_its_amplitude(turning):
     turned = np.arange(0.0, 200.0, 0.01)
-    drive = 1.7 * turned - 0.5 * turned**2 / 400.0  # 1.7 turns of the drive a turn, in the end 1.2
+    drive = 1.7 * turned - 0.5 * turned**2 / 400.0  # 1.7 turns per turn at the start, 1.2 at the end
     swing = 3.0 * np.cos(math.tau * (drive + turning * turned)) + 0.5 * np.cos(math.tau * 5.5 * turned)
     table = Result.from_columns({"time": turned, "input_speed": 0.0 * turned + math.tau, "x": swing})
     first, second = spectra(table, turned, ["x"], drive=drive).largest(2)["x"]
@@ -136,13 +136,13 @@ def test_line_of_varying_order_is_a_single_line_with_its_amplitude(turning):
     assert (first.low, first.high) == pytest.approx((1.24 + turning, 1.66 + turning), abs=0.03)
     assert (second.order, second.low, second.high) == pytest.approx((5.5, 5.5, 5.5))
     assert second.amplitude == pytest.approx(0.5, rel=0.02)
-    # which its order alone does not tell
+    # The order of the line over the turns of link 1 does not show this amplitude.
     assert spectra(table, turned, ["x"]).largest()["x"][0].amplitude < 2.0
 
 
 @pytest.mark.parametrize("growth", [0.0, 1.0])
 def test_side_lobes_of_a_line_are_no_orders_and_small_lines_beyond_them_are(growth):
-    """The second side lobes of a Hann window are 0.4 % of the line, 4.5 / turns from it."""
+    """The second side lobes of a Hann window reach 0.4 % of the line, at a distance of 4.5 / turns."""
     turned = np.arange(0.0, 320.0, 0.01)
     large = (1.0 + growth * turned / 320.0) * np.cos(math.tau * turned)
     speed = 0.0 * turned + math.tau
@@ -184,17 +184,17 @@ def test_signals_with_the_same_amplitudes_share_a_row_of_the_figure():
     assert any("[rpm]" in axes.get_ylabel() for axes in figure.axes)
 
 
-# --- modules whose lines are known ---
+# --- modules whose lines follow from their geometry ---
 
 
 def test_orders_of_r1_held_follow_from_its_teeth(fmu):
-    """Its reduced inertia is made of functions of q, twice a turn, and of s q, with s = z17 / z6."""
+    """The reduced inertia consists of functions of 2 q and of s q, with s = z17 / z6."""
     found = studies.orders(held(stop=4.0), fmu, signals=["mesh_torque"], turns=20.0, highest=9.0)
     s = 1.7
     lines = by_order(found.largest(5)["mesh_torque"])
     assert set(lines) == {s, 2.0, round(2.0 + s, 6), 2.0 * s, round(2.0 + 2.0 * s, 6)}
     _, expected = imbalance_lines(held(), 10)
-    # the others have a part of the coupling of both links as well
+    # The other orders also contain a part of the coupling of both links.
     for order in (2.0, 3.7, 5.4):
         assert lines[order] == pytest.approx(expected[order], rel=1e-3)
 
@@ -222,7 +222,7 @@ def test_pulse_of_a_planar_module_is_order_1_of_the_pinion_shaft(fmu, omega1):
     assert found.largest(1)["mesh_torque"][0].order == pytest.approx(1.0, abs=0.04)
     over_turns = studies.orders(scene, fmu, signals=["mesh_torque"], turns=6.0, end=0.9)
     order = over_turns.largest(1)["mesh_torque"][0].order
-    # over turns of link 1 it moves away from sun radius over satellite radius as the shaft comes along
+    # The shaft speeds up. Over turns of link 1 the order therefore moves away from 5/3.
     assert abs(order - 5.0 / 3.0) > 0.07
 
 
@@ -230,7 +230,7 @@ def test_example_shows_the_orders_and_the_speed_of_the_resonance(fmu):
     found = studies.orders(example("orders"), fmu, signals=["shaft_twist", "shaking_force_y"], highest=8.0)
     twist = found.largest(1)["shaft_twist"][0]
     assert twist.order == pytest.approx(5.0 / 3.0, rel=0.05)
-    # the twist is greatest on the way, the force at the top
+    # The twist is largest during the run-up, the force at the top speed.
     assert 130.0 < twist.speed < 165.0
     lines = found.largest(2)["shaking_force_y"]
     assert {round(line.order, 1) for line in lines} == {1.0, 2.6}
@@ -238,7 +238,7 @@ def test_example_shows_the_orders_and_the_speed_of_the_resonance(fmu):
 
 
 def test_pulses_faster_than_the_steps_of_a_scene_are_recorded_in_shorter_ones(fmu):
-    """Steps of 10 ms alias the pulses of 27 to 53 Hz; the car and the control unit keep these steps."""
+    """Steps of 10 ms alias the pulses of 27 to 53 Hz. Car and controller keep these steps."""
     scene = load_scene(example("engine_launch")).replaced(run={"stop_time": 4.0})
     coarse = studies.orders(scene, fmu, signals=["output_torque"], turns=16.0)
     fine = studies.orders(
@@ -262,7 +262,7 @@ def test_the_module_in_shorter_steps_moves_as_in_the_steps_of_the_scene(fmu):
 
 
 def test_aliases_are_below_the_smallest_listed_line(fmu):
-    """A step twice as short moves no line by more than the share below which lines are left out."""
+    """Half the step moves no line by more than the smallest listed share."""
     scene = held(2.0, **PLANAR)
     first = studies.orders(scene, fmu, signals=["output_torque"], highest=8.0)
     shorter = scene.replaced(run={"communication_step": 0.5 * first.step})
@@ -290,13 +290,13 @@ def test_a_scene_with_speeds_in_rpm_has_its_orders_in_rpm(fmu, tmp_path):
     assert text.endswith(f"at {line.speed * 30.0 / math.pi:.4g} rpm")
 
 
-# --- what is left out and refused ---
+# --- omitted signals and errors ---
 
 
 def test_constant_signals_are_omitted_unless_requested(fmu, tmp_path):
     scene = held(1.0, **PLANAR)
     swing = {"input_torque", "output_torque", "satellite_force_y", "satellite_force_z"}
-    # The heavy output moves a little
+    # The heavy output moves a little.
     assert set(studies.orders(scene, fmu).amplitude) == swing | {"omega_out"}
     for in_hz, names in ((True, ["input_torque", "shaking_force_x", "omega1"]), (False, ["omega1"])):
         found = studies.orders(scene, fmu, signals=names)
@@ -305,7 +305,7 @@ def test_constant_signals_are_omitted_unless_requested(fmu, tmp_path):
         figure = order_figure(found, "title", in_hz)
         figure.savefig(tmp_path / "orders.png")
         drawn = [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
-        # without the constant signals
+        # The figure omits the constant signals.
         assert len(drawn) == 2 * in_hz
         if in_hz:
             assert drawn[-1].get_xlabel() == "frequency [Hz]"
@@ -318,7 +318,7 @@ def test_run_up_from_rest_starts_with_the_rotation(fmu):
     ramp = {"kind": "ramp", "omega1": None, "initial": 0.0, "final": 100.0, "start": 0.5, "duration": 2.0}
     scene = held(2.5, **PLANAR).replaced(drive=ramp)
     found = studies.orders(scene, fmu, signals=["mesh_torque"], turns=4.0, highest=6.0)
-    # 2 turns are the middle of the first window, and so on
+    # The middle of the first window is at 2 turns.
     middle = 0.5 + np.sqrt(2.0 * math.tau * 2.0 * np.arange(1, found.time.size + 1) / 50.0)
     assert found.time == pytest.approx(middle, abs=0.01)
     assert found.largest(1)["mesh_torque"][0].order == pytest.approx(5.0 / 3.0, abs=0.1)
@@ -335,7 +335,7 @@ def test_run_up_from_rest_starts_with_the_rotation(fmu):
 
 @pytest.mark.parametrize("omega1", [OMEGA1, -OMEGA1])
 def test_components_of_the_bearing_force_are_two_circles(fmu, omega1):
-    """Planar, link 2 held: the satellite goes round at omega1 and turns at (1 + R0 / r) omega1."""
+    """Planar, link 2 at rest: the satellite orbits at omega1 and rotates at (1 + R0 / r) omega1."""
     scene = held(2.0, omega1, **PLANAR)
     found = studies.orders(
         scene, fmu, signals=["satellite_force_x", "satellite_force_y", "satellite_force_z"], turns=15.0
@@ -352,7 +352,7 @@ def test_components_of_the_bearing_force_are_two_circles(fmu, omega1):
             assert line.amplitude == pytest.approx(expected[order], rel=5e-3)
         phases.append(next(line.phase for line in lines if line.order < 1.5))
         assert found.units[f"satellite_force_{axis}"] == "N"
-    # it goes round: a quarter of a turn between the components
+    # The force rotates: its components differ by a quarter of a turn.
     assert abs(math.sin(phases[0] - phases[1])) == pytest.approx(1.0, abs=1e-3)
 
 

@@ -1,4 +1,4 @@
-"""The page: as a reader uses it, the kernel in it against the native FMU, the commands that write it."""
+"""Test the page: its controls, its kernel compared with the native FMU, and the commands that write it."""
 
 import base64
 import json
@@ -33,7 +33,7 @@ def set_field(page, name, text):
 
 
 def scrub(page, place):
-    """Move the slider of the time, which has 10,000 places."""
+    """Move the time slider, which has 10,000 positions."""
     page.page.get_by_role("slider", name="time", exact=True).fill(place)
     return page.drawn()
 
@@ -44,14 +44,14 @@ def test_clock_runs_when_it_is_played_alone(page, opened):
     page.page.wait_for_function("inertiaModule.state().time > 0.005")
     page.press("Pause")
     stopped = page.state("time")
-    # at rest no frame is requested
+    # At rest the page requests no frame.
     page.drawn().page.evaluate(
         "() => { window.frames = 0; window.requestAnimationFrame = () => { window.frames += 1; }; }"
     )
     page.page.wait_for_timeout(200)
     assert (page.state("time"), page.page.evaluate("window.frames")) == (stopped, 0)
     assert page.errors == []
-    # starts automatically if motion is allowed
+    # The page starts automatically if the user allows motion.
     moving = opened(REFERENCE, reduced_motion="no-preference")
     moving.page.wait_for_function("inertiaModule.state().playing && inertiaModule.state().time > 0")
 
@@ -84,7 +84,7 @@ def test_slider_changes_the_run_like_simulate(page):
 
 
 def test_slider_of_an_engagement_angle_lets_link_2_turn_back_and_takes_power(page):
-    """The play that is drawn is the angle that link 2 still turns back until the housing freewheel holds."""
+    """The drawn backlash is the angle that link 2 can turn back until the housing freewheel locks."""
     assert (page.shown("omega2").min() >= -1e-9, np.abs(page.shown("energy_lost")).max()) == (True, 0.0)
     page.page.evaluate("document.querySelectorAll('details').forEach(group => { group.open = true; })")
     for which in ("housing", "output"):
@@ -97,7 +97,7 @@ def test_slider_of_an_engagement_angle_lets_link_2_turn_back_and_takes_power(pag
     assert omega2.min() < -5.0
     assert 1.0 - lost[-1] / page.shown("energy_in")[-1] < 0.9
     assert page.shown("energy_lost_freewheel") == pytest.approx(lost, rel=1e-9)
-    # both wheels of the drive have 20 teeth
+    # Both wheels of the drive have 20 teeth.
     link2, holds = page.shown("theta1") - page.shown("q"), np.isin(page.shown("contact_mode"), (0, 3))
     engaged = np.flatnonzero(holds[1:] & ~holds[:-1] & (omega2[:-1] < -5.0))[-1] + 1
     rows = slice(engaged - 3, engaged + 1)
@@ -107,7 +107,7 @@ def test_slider_of_an_engagement_angle_lets_link_2_turn_back_and_takes_power(pag
         played.append(page.drawn().state("play.housing"))
     assert played == pytest.approx((link2[rows] - link2[engaged]) / angle, abs=0.1)
     assert played[0] > 0.3 > played[-1] == 0.0
-    # power and frequency of the impacts are printed
+    # The page prints power and frequency of the impacts.
     page.page.evaluate("inertiaModule.seek(1.0)")
     page.page.get_by_role("combobox", name="Curves", exact=True).first.select_option("losses")
     legend = page.drawn().page.locator(".panel .legend").first.inner_text()
@@ -130,14 +130,14 @@ def test_every_scene_of_the_page_is_accepted(page):
 
 
 def test_imbalance_is_drawn_at_its_kernel_position(page):
-    """The picture is built of turned groups, its arrows by the page's own formulas."""
+    """The picture consists of rotated groups; the arrows have formulas of the page."""
     askew = "reference&satellites=2&epsilon=0.4&gamma=-0.7&shaft_angle=1.2"
     for scene in (askew, "planar", "real-bevel", "elastic"):
         page.at(f"#scene={scene}")
         time, columns = page.shown("time"), np.array([page.shown(name) for name in POSITIONS])
         for row in (1, len(time) // 3, len(time) - 1):
             follow = page.state("settings.shown.follow")
-            page.page.keyboard.press("f")  # now from the housing, now from link 1
+            page.page.keyboard.press("f")  # The frame changes between housing and link 1.
             assert page.settled().state("settings.shown.follow") != follow
             page.page.evaluate("time => inertiaModule.seek(time)", time[row])
             position = page.drawn().state("imbalance")
@@ -152,14 +152,14 @@ def test_clock_curves_and_switches_agree(page):
     values = [page.shown(name)[row] for name in ("input_speed", "omega2", "omega_out")]
     printed = [float(text.replace("−", "-").split()[0]) for text in page.ask("legend")]
     assert printed == pytest.approx(values, abs=0.01)
-    # the cursor of the curves stands there, and a press on them goes there
+    # The cursor of the curves is at this time; a click on the curves moves it.
     curves = page.page.locator(".panel:first-child .u-over")
     over = curves.bounding_box()
     mark = page.page.locator(".panel:first-child .mark").bounding_box()
     assert mark["x"] + mark["width"] / 2 - over["x"] == pytest.approx(time * over["width"], abs=2)
     curves.click(position={"x": 0.75 * over["width"], "y": 20})
     assert page.state("time") == pytest.approx(0.75, abs=0.01)
-    # steps go from switch to switch, and a pulse is repeated
+    # Steps go from switch to switch. A pulse can be repeated.
     scrub(page, "0")
     switches = page.shown("time")[1:][np.diff(page.shown("contact_mode")) != 0]
     for expected in switches[:3]:
@@ -176,7 +176,7 @@ def test_clock_curves_and_switches_agree(page):
 
 def test_link_restores_the_state_and_reports_invalid_values(page):
     set_field(page, "load_torque", "4.5")
-    page.settled()  # places of the slider are shares of the run as far as it is
+    page.settled()  # Slider positions are fractions of the finished part of the run.
     page.page.get_by_label("cut-away").uncheck()
     page.page.get_by_label("Path of the unbalanced mass").select_option("fixed")
     scrub(page, "2500")
@@ -230,7 +230,7 @@ def test_keyboard_works(page):
     assert 0 < page.state("time") < 0.1
     keys.press("f")
     assert page.state("settings.shown.follow")
-    # a box that is ticked keeps the focus
+    # A checkbox keeps the focus after a click.
     box = page.page.get_by_label("torques", exact=True)
     box.focus()
     keys.press(" ")
@@ -242,7 +242,7 @@ def test_keyboard_works(page):
     assert page.state("speed") == speed / 2
     keys.press(" ")
     assert page.state("playing")
-    # a field keeps its keys
+    # A text field receives its keys.
     page.page.locator("#set-omega1").focus()
     keys.press(" ")
     assert page.state("playing")
@@ -267,7 +267,7 @@ def test_files_of_the_run_and_the_scene(page):
 
 
 def test_converter_chart_agrees_with_the_package(page):
-    """Stall torque and efficiency of scene R1 without losses, and the point of the run."""
+    """Compare stall torque and efficiency of scene R1 without losses, and the point of the run."""
     page.page.get_by_label("Phase plot or torque converter chart").select_option("chart")
     ready = "document.querySelector('.note:not([hidden])').textContent.startsWith('Periodic steady state')"
     page.page.wait_for_function(ready)
@@ -276,12 +276,12 @@ def test_converter_chart_agrees_with_the_package(page):
     assert [point["efficiency"] for point in points[1:15]] == pytest.approx([100.0] * 14, abs=0.1)
     torques = [point["output"] for point in points]
     assert torques == sorted(torques[:12], reverse=True) + torques[12:]
-    # output power equals input power without losses
+    # Output power equals input power without losses.
     for point in points[1:15]:
         assert point["input"] == pytest.approx(point["ratio"] * point["output"], abs=0.02 * torques[0])
 
 
-# --- on a phone and a desk, in light and dark, for a screen reader; and how quick it is ---
+# --- sizes, colour schemes, accessibility and speed ---
 
 AXE = ROOT / "viewer" / "node_modules" / "axe-core" / "axe.min.js"
 PAPER = "getComputedStyle(document.body).backgroundColor"
@@ -289,7 +289,7 @@ PAPER = "getComputedStyle(document.body).backgroundColor"
 
 @pytest.fixture(params=[PHONE, DESK], ids=["phone", "desk"])
 def sized(still, request):
-    """The page of scene R1 at rest, loaded at a size."""
+    """Return the page of scene R1 at rest, loaded at a window size."""
     still.page.set_viewport_size(request.param)
     return still.at("")
 
@@ -323,7 +323,7 @@ def test_axe_finds_no_serious_fault(sized):
 
 
 def test_first_picture_and_frames_are_quick(browser, written):
-    """In time of the processor, for others may be at work on this machine."""
+    """Measure CPU time, because other processes may use this machine."""
     with browser.new_page(viewport=DESK, reduced_motion="no-preference") as page:
         session = page.context.new_cdp_session(page)
         session.send("Performance.enable", {"timeDomain": "threadTicks"})
@@ -343,13 +343,13 @@ def test_first_picture_and_frames_are_quick(browser, written):
         assert opened.state("playing")
 
 
-# --- the kernel in the page has the results and messages of the native FMU ---
+# --- the kernel of the page has the results and messages of the native FMU ---
 
 
 INPUTS = ("omega1", "load_torque", "drive_torque")
 READ = [variable.name for variable in with_causality(OUTPUT, LOCAL)]
 LEVELS = {**scenes.LEVELS, "losses": scenes.ALL_LOSSES}
-# each level with a layout driven by speed and the other one driven by torque
+# Each level drives one layout by speed and the other one by torque.
 CASES = {
     f"{level}, {layout}, {drive}": {**scenes.DRIVES[drive][layout], **values}
     for n, (level, values) in enumerate(LEVELS.items())
@@ -362,14 +362,14 @@ STEP, STEPS = 1e-3, 200
 
 
 def options(values):
-    """Options of simulate, from parameters and inputs in one table."""
+    """Return options of `simulate` from a single table of parameters and inputs."""
     parameters = {name: float(value) for name, value in values.items() if name not in INPUTS}
     inputs = {name: values[name] for name in INPUTS if name in values}
     return {"parameters": parameters, "inputs": inputs, "step": STEP, "steps": STEPS, "outputs": READ}
 
 
 def native(built, values, over_time=lambda time: {}):
-    """Run the native FMU so, with inputs and their rates over time: columns of READ."""
+    """Run the native FMU with inputs and their rates over time, and return the columns of READ."""
     start = {name: value for name, (value, _) in over_time(0.0).items()}
     with Fmu(built / "InertiaModule.fmu", values["parameters"], values["inputs"] | start) as fmu:
         rows = [fmu.read(READ)]
@@ -413,7 +413,7 @@ def test_bad_value_gives_the_sentence_of_the_native_fmu(still, built):
         assert still.simulate(run_options) == str(refused.value), case
 
 
-# up to speed and, by a jump, to another load
+# Run up to speed, then let the load jump.
 OVER_TIME = {
     "omega1": {"times": [0.0, 0.05, 0.2], "values": [0.0, 20.0, 120.0]},
     "load_torque": {"times": [0.0, 0.1, 0.1, 0.3], "values": [2.0, 2.0, 12.0, 8.0]},
@@ -421,7 +421,7 @@ OVER_TIME = {
 
 
 def over_time(time):
-    """Value of each input just after a time, and its rate until the next point."""
+    """Return each input just after a time, and its rate until the next point."""
     values = {}
     for name, signal in OVER_TIME.items():
         points = list(zip(signal["times"], signal["values"], strict=True))
@@ -433,7 +433,7 @@ def over_time(time):
 
 
 def test_inputs_over_time_are_straight_lines_as_the_fmu_takes_them(still, built):
-    run_options = {**options({}), "steps": 400}  # beyond the last point
+    run_options = {**options({}), "steps": 400}  # The run continues after the last point.
     actual = still.simulate({**run_options, "inputs": OVER_TIME})
     for name, values in native(built, run_options, over_time).items():
         assert actual[name] == pytest.approx(values, rel=1e-9, abs=1e-9 * max(np.abs(values).max(), 1.0)), (
@@ -442,7 +442,7 @@ def test_inputs_over_time_are_straight_lines_as_the_fmu_takes_them(still, built)
 
 
 def test_integrate_is_simulate_in_slices_with_angles_whole(still):
-    run_options = options({**scenes.PLANAR, "tolerance": 1e-12})  # which takes some slices
+    run_options = options({**scenes.PLANAR, "tolerance": 1e-12})  # The run takes some slices.
     run = still.ask("integrate", {**run_options, "duration": 2.0})
     at_once = still.simulate({**run_options, "steps": 2000})
     assert run["complete"]
@@ -478,7 +478,7 @@ def test_memory_does_not_grow_over_a_thousand_instances(still):
     assert still.ask("thousand", [good, bad]) == still.simulate(good)["omega_out"][-1]
 
 
-# --- the command view, and run --view: a page whole or not at all ---
+# --- commands view and run --view: a complete page or none ---
 
 
 EXAMPLES = ROOT / "examples"
@@ -488,20 +488,20 @@ MOST_BYTES = 2_500_000
 
 
 def check_page(page):
-    """The page opens from disk, sends no requests and is not too large."""
+    """Check that the page opens from disk, sends no requests and is small enough."""
     page.page.wait_for_timeout(500)
     assert (page.errors, page.requests) == ([], [])
     assert page.path.stat().st_size < MOST_BYTES
 
 
 def table_of(scene, fmu, folder):
-    """Run a scene by the command; its table."""
+    """Run a scene with the command and return its table."""
     left("run", scene, "-o", folder, "--fmu", fmu)
     return Result.from_csv(folder / "table.csv")
 
 
 def test_run_is_played_as_it_was_recorded(opened, fmu, tmp_path):
-    """The load of this scene follows the motion: the page cannot run it, so it holds the run."""
+    """The load depends on the motion. The page cannot compute such a run, so it contains the record."""
     page, table = opened(ENGINE), table_of(ENGINE, fmu, tmp_path)
     check_page(page)
     start, played = page.page.evaluate("window.inertiaModule.start"), page.ask("played")
@@ -511,7 +511,7 @@ def test_run_is_played_as_it_was_recorded(opened, fmu, tmp_path):
     assert start["scene"]["inputs"]["drive_torque"]["values"] == [0.0, 40.0, 25.0, 15.0]
     assert played["time"] == pytest.approx(table.time[::every], abs=1e-9)
     assert played["omega_out"] == pytest.approx(table["omega_out"][::every], rel=1e-7)
-    assert np.diff(played["q"]).max() < 0.4 * every  # no whole turn is lost between rows
+    assert np.diff(played["q"]).max() < 0.4 * every  # Rows are closer than a whole turn.
 
 
 def test_a_run_too_coarse_for_its_pulses_shows_means_and_dots_in_place_of_curves(opened, fmu, tmp_path):
@@ -534,7 +534,7 @@ def test_a_run_too_coarse_for_its_pulses_shows_means_and_dots_in_place_of_curves
 def test_row_of_a_long_run_includes_means_and_peaks_of_omitted_rows(monkeypatch):
     columns = {"time": np.arange(8.0), "torque_mean": np.arange(8.0), "force_peak": -np.arange(8.0)}
     record = Result(columns, {})
-    monkeypatch.setattr(html, "MOST", 6)
+    monkeypatch.setattr(html, "MAX_NUMBERS", 6)
     run = html.page_run(record)
     assert run["step"] == 3.0
     packed = zlib.decompress(base64.b64decode(run["numbers"]), -zlib.MAX_WBITS)

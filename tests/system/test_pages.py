@@ -1,4 +1,4 @@
-"""Pages, the README, programs of tools.md in each host, the tutorial, the study scripts."""
+"""Test the programs of the documentation, the README, the tutorial and the example scripts."""
 
 import re
 import runpy
@@ -69,7 +69,7 @@ def accelerates_the_shaft(names, printed):
 
 def drives_the_shaft(names, printed):
     speed, twist = map(float, printed.split())
-    assert speed == pytest.approx(17.0, abs=1.0)  # in one piece 16.77
+    assert speed == pytest.approx(17.0, abs=1.0)  # The monolithic result is 16.77.
     assert abs(twist) < 0.1
 
 
@@ -98,12 +98,12 @@ def test_python_of_a_page_runs(page, checks, built, tmp_path, monkeypatch, capsy
         check(names, capsys.readouterr().out)
 
 
-# --- what a reader runs ---
+# --- programs for readers ---
 
 
 PROGRAMS = programs("how_to/tools.md")
 PACKAGES = [re.search(r"^from (\w+)", program)[1] for program in PROGRAMS]
-# tolerance that a host gives where the parameter has another
+# Tolerance that a host sets instead of the parameter.
 TOLERANCE = {"OMSimulator": 1e-4}
 
 
@@ -126,7 +126,7 @@ def test_program_of_the_page_runs_the_module(number, built, tmp_path):
         output=["omega_out"],
     )
     (found,) = printed(PROGRAMS[number], tmp_path)
-    # stopped at its switches a step integrates otherwise
+    # Steps that stop at switches integrate differently.
     within = 1e-7 if "use_event_mode" in PROGRAMS[number] else 1e-9
     assert found == pytest.approx(expected["omega_out"][-1], rel=within)
 
@@ -154,7 +154,7 @@ def test_tutorial_shows_pictures_and_tables(built, tmp_path):
     assert sum("image/png" in data for data in shown) >= 5
     assert "<table>" in shown[0]["text/html"]
     assert "omega_out [rad/s]" in shown[1]["text/html"]
-    # it launches the car and finds the values of the rig
+    # The tutorial launches the car and estimates the values of the rig.
     text = "".join(output.get("text", "") for output in outputs)
     light, heavy = (float(speed) for speed in re.findall(r"kg: ([\d.]+) rad/s", text))
     assert heavy > light
@@ -163,7 +163,7 @@ def test_tutorial_shows_pictures_and_tables(built, tmp_path):
     assert low < 1.07 < high
 
 
-# --- the study scripts: each says something about the mechanism, and that is so ---
+# --- study scripts: the statement of each script about the mechanism is true ---
 
 
 STUDIES = Path(__file__).parents[2] / "examples" / "studies"
@@ -171,7 +171,7 @@ STUDIES = Path(__file__).parents[2] / "examples" / "studies"
 
 @pytest.fixture(scope="module", autouse=True)
 def scripts():
-    """The scripts import each other as a reader runs them: from their own folder."""
+    """Return the scripts, imported from their own folder."""
     sys.path.insert(0, str(STUDIES))
     yield
     sys.path.remove(str(STUDIES))
@@ -210,7 +210,7 @@ def test_overrunning_shaft_coasts_on_its_load_alone_and_is_caught_again(fmu):
     assert 0.0 < again < 1.0
     during = (tables[True].time > overrun.TIMES[2]) & (tables[True].time < overrun.TIMES[3])
     assert np.abs(tables[True]["output_torque_mean"][during]).max() == 0.0
-    # one with link 2 the shaft is dragged down
+    # With only the freewheel of link 2, the machine drags the shaft down.
     assert tables[False]["omega_out"][during].min() < 0.5 * tables[True]["omega_out"][during].min()
 
 

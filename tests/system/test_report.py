@@ -1,4 +1,4 @@
-"""Reports of scenes: whole in one file, with all that the run told, and why parts are left out."""
+"""Test reports of scenes: a single file with all results, and reasons for omitted parts."""
 
 import json
 import math
@@ -20,20 +20,20 @@ from tests.system.programs import left
 
 EXAMPLES = REFERENCE.parent
 SHAFT = EXAMPLES / "papers" / "stelmashchuk_stepping.toml"
-# overlapping satellites and an imbalance outside its own; it follows no speed, whence a remark
+# Overlapping satellites and an imbalance outside its satellite. The constant input causes a remark.
 CROWDED = ("satellites=6", "a=1.5", "mesh_efficiency=98 %", "run.stop_time=0.1 s")
 STALLED = ("load.torque=500 N.m", "run.stop_time=0.2 s", "omega_out_start=0")
 SECTIONS = [
     *("Checks", "Inputs", "Mechanism", "Results", "Energy and losses", "Freewheel duty"),
     *("Curves", "Torque converter chart", "Orders"),
 ]
-# times of this machine, which differ from run to run
+# Computing times differ between runs.
 TIMES = {"wall-clock time", "real time factor"}
 
 
 @pytest.fixture
 def reported(built, tmp_path):
-    """A function from a scene file and what is set to its report: the root of its HTML, and its result."""
+    """Return a function that writes the report of a scene with keys, and returns its HTML and its result."""
 
     def reported(scene, *keys):
         shaft = "[shaft]" in scene.read_text(encoding="utf-8")
@@ -51,12 +51,12 @@ def reported(built, tmp_path):
 
 @pytest.fixture
 def undrawn(monkeypatch):
-    """Pictures of reports are empty: each takes half a second."""
+    """Replace the figures of reports, because each takes half a second."""
     monkeypatch.setattr(report, "picture_of", lambda *_: b"")
 
 
 def sections(root):
-    """Sections by title."""
+    """Return the sections by title."""
     return {section.find("h2").text: section for section in root.iter("section")}
 
 
@@ -70,7 +70,7 @@ def checks(root, kind):
 
 
 def rows(section):
-    """Rows of all tables of a section, cell by cell."""
+    """Return the cells of all table rows of a section."""
     return [[cell.text or "" for cell in row.findall("td")] for row in section.iter("tr")]
 
 
@@ -214,7 +214,7 @@ def test_planar_sketch_is_to_scale():
     assert arm[:, 1] == pytest.approx([0.0, 80.0])
     assert np.hypot(*(satellite - arm[:, 1:])) == pytest.approx(30.0)
     assert np.hypot(*(path - arm[:, 1:])) == pytest.approx(20.0)
-    assert imbalance[:, 0] == pytest.approx([0.0, 60.0])  # towards the sun
+    assert imbalance[:, 0] == pytest.approx([0.0, 60.0])  # The imbalance points towards the sun.
     assert along.get_aspect() == 1.0
 
 
@@ -224,10 +224,10 @@ def test_bevel_sketch_is_to_scale():
     section, _ = mechanism_figure({"satellites": 2.0}).axes
     lines = [np.array(line.get_data()) for line in section.lines if len(line.get_xdata()) > 2]
     wheel, _, satellite = lines[:3]
-    apex = 80.0 / 1.7  # OQ of scene R1, where c = 1 puts the base of wheel 17 on the central axis
+    apex = 80.0 / 1.7  # OQ of scene R1, where c = 1 puts the base of wheel 17 on the central axis.
     assert (wheel[0].min(), wheel[0].max()) == pytest.approx((-80.0, 80.0))
     assert wheel[1] == pytest.approx(0.0, abs=1e-9)
-    # its base is across, and touches that of the wheel
+    # The base of the satellite touches the base of the wheel at a right angle.
     assert satellite[0] == pytest.approx(80.0)
     assert (satellite[1].min(), satellite[1].max()) == pytest.approx((0.0, 2.0 * apex))
     path = next(line for line in lines if line.shape[1] > 1000)

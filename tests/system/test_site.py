@@ -1,4 +1,4 @@
-"""The documentation site as people see it: in Chromium, at the width of a desktop and of a phone."""
+"""Test the documentation site in Chromium, at the width of a desktop and of a phone."""
 
 import contextlib
 import functools
@@ -17,13 +17,13 @@ ROOT = Path(__file__).parents[2]
 PICTURES = ROOT / "out" / "site"
 WIDTHS = {"desktop": 1440, "phone": 360}
 LOOKS = Path(__file__).with_name("site.js").read_text()
-# of the first results of a search
+# Paths of the first search results.
 FOUND = "links => links.map(link => new URL(link.href).pathname.slice(1)).filter(page => page)"
 TABLES = {
     *("reference/variables.html", "reference/api.html", "reference/commands.html", "papers/index.html"),
     *("verification/performance.html", "verification/stability.html", "changelog.html"),
 }
-# pages that are no text of the site
+# Pages without text.
 NO_TEXT = {"404.html", "machine.html"}
 
 
@@ -34,7 +34,7 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    """The site, built as `make docs` does and served on this machine: its address and its folder."""
+    """Build the site as `make docs` does, serve it on this machine, and return its address and folder."""
     pytest.importorskip("material", reason="mkdocs-material is not installed")
     if not TEMPLATE.exists():
         pytest.skip("the page is not built: `make page` builds it")
@@ -48,7 +48,7 @@ def site(tmp_path_factory):
 
 @pytest.fixture
 def visit(site, browser):
-    """A function that opens a page of the site at a width, in pixels."""
+    """Return a function that opens a page of the site at a width in pixels."""
     address, _ = site
     with contextlib.ExitStack() as pages:
 
@@ -84,7 +84,7 @@ def test_every_page_fits_this_width_in_any_font_without_network(site, visit, wid
                 assert page.evaluate(f"{LOOKS}.{look}") == [], (name, font, look)
             assert page.evaluate("document.documentElement.scrollWidth") <= WIDTHS[width], (name, font)
         formulas += page.locator("math").count()
-        if "INERTIA_MODULE_PICTURES" in os.environ:  # half a minute, for people to look at
+        if "INERTIA_MODULE_PICTURES" in os.environ:  # Screenshots for review take half a minute.
             page.screenshot(path=PICTURES / f"{name.replace('/', '_')}_{width}.png", full_page=True)
     assert (wrong, asked) == ([], [])
     assert formulas > 200

@@ -1,4 +1,4 @@
-"""Sweeps and designs on a cluster of processes started by hand; workers and clients that die."""
+"""Test sweeps and designs on a cluster of processes; some workers and clients die."""
 
 import csv
 import json
@@ -35,7 +35,7 @@ workers = pytest.importorskip("inertia_module.studies.workers")
 
 REFERENCE = Path(__file__).parents[2] / "examples" / "reference.toml"
 SHORT = {"load": {"kind": "shaft", "torque": None, "inertia": 0.5}, "run": {"stop_time": 0.1}}
-# runs of some hundredths of a second
+# Each run takes some hundredths of a second.
 SLOW = {"imbalance_mass": "0.5:2:60"}
 LONG = {"accuracy.tolerance": "1e-6", "run.stop_time": "20 s", "run.communication_step": "1 s"}
 VARY = {
@@ -52,19 +52,19 @@ def scene():
 
 
 def told(rows):
-    """Rows without what they cost."""
+    """Return the rows without their cost."""
     return [row._replace(cost=0.0) for row in rows]
 
 
 def evaluated(read, fmu, points):
-    """Rows of points, computed in this process."""
+    """Return the rows of points that this process computes."""
     with SceneRunner(fmu) as runner:
         return evaluate(summaries(read.tables, runner), points).rows
 
 
 @pytest.fixture(scope="module")
 def found(scene, fmu, cluster, tmp_path_factory):
-    """The sweep on the cluster."""
+    """Return the result of the sweep on the cluster."""
     folder = tmp_path_factory.mktemp("sweep")
     return studies.sweep(scene, VARY, output=folder, fmu=fmu, scheduler=cluster.address)
 
@@ -101,7 +101,7 @@ def test_manually_started_cluster_gives_the_same_table_with_rejections(scene, fo
 
 def test_completed_points_are_not_repeated(scene, fmu, found):
     folder = found.files["csv"].parent
-    # nothing listens there: no worker is asked for
+    # The address has no scheduler: the sweep needs no worker.
     again = studies.sweep(scene, VARY, output=folder, fmu=fmu, scheduler="tcp://127.0.0.1:1")
     assert again.new == 0
     assert again.rows == found.rows
@@ -111,7 +111,7 @@ def test_completed_points_are_not_repeated(scene, fmu, found):
 
 
 def deadly(settings, runner):
-    """Prepare for a point that ends its worker."""
+    """Prepare a point that kills its worker."""
 
     def figures(point):
         if point["number"] == 200.0:
@@ -122,15 +122,15 @@ def deadly(settings, runner):
 
 
 def listening(processes):
-    """Addresses at which processes listen."""
+    """Return the addresses on which processes listen."""
     sockets = [socket for process in processes for socket in process.net_connections("inet")]
     return {socket.laddr for socket in sockets if socket.status == psutil.CONN_LISTEN}
 
 
 def test_point_that_crashes_its_workers_is_rejected_and_workers_are_local(fmu):
     own = psutil.Process()
-    before = listening([own, *own.children(recursive=True)])  # other tests of this process may listen too
-    # the workers cannot import this file
+    before = listening([own, *own.children(recursive=True)])  # Other tests of this process may listen too.
+    # The workers cannot import this file.
     cloudpickle.register_pickle_by_value(sys.modules[__name__])
     points = [{"number": float(n)} for n in range(400)]
     task = Task(fmu.read_bytes(), {}, deadly)
@@ -210,19 +210,19 @@ def test_killed_worker_loses_no_results(slow_scene, fmu, cluster, tmp_path):
     assert told(some) == told(evaluated(slow_scene, fmu, [row.point for row in some]))
 
 
-# --- clusters that cannot do the work, scripts, Ctrl-C ---
+# --- clusters with errors, scripts, Ctrl-C ---
 
 
 @pytest.fixture
 def empty_cluster(tmp_path):
-    """A scheduler without workers."""
+    """Return a scheduler without workers."""
     cluster = Cluster(tmp_path)
     yield cluster
     cluster.end()
 
 
 def sweep_command(fmu, folder, *options):
-    """A command that sweeps 60 points of some hundredths of a second."""
+    """Return a command that sweeps 60 points of some hundredths of a second."""
     keys = [f"--set={key}={value}" for key, value in LONG.items()]
     command = [
         sys.executable,
@@ -323,7 +323,7 @@ def test_ctrl_c_is_an_error_in_a_line_and_the_command_resumes(fmu, tmp_path):
     assert 0 < done < 60
 
 
-# --- designs searched, checked and written ---
+# --- search, check and files of designs ---
 
 
 SPEC = Path(__file__).with_name("light_module.toml").read_text(encoding="utf-8")
@@ -357,6 +357,7 @@ def test_front_contains_all_best_designs_within_the_limits(designs):
     assert "; tightest in design 1: " in verdict
 
 
+@pytest.mark.slow
 def test_designs_of_a_seed_do_not_depend_on_the_number_of_workers(designs, spec, fmu, cluster, tmp_path):
     two = studies.design(spec, output=tmp_path, fmu=fmu, scheduler=cluster.address)
     assert told(two.rows) == told(designs.rows)
@@ -406,9 +407,10 @@ def test_second_search_of_a_scene_reuses_its_runs(designs, spec, fmu, cluster):
     assert "(limit: at least 2000 N.m)" in stopped.verdict()
 
 
+@pytest.mark.slow
 def test_search_without_a_valid_design_continues_while_it_improves(spec, fmu, cluster, tmp_path):
-    """Whatever the seed: after one generation no design meets all limits, and there are some."""
-    # far from what the first generation has, within what the ranges allow
+    """With each seed, the first generation meets no limits, although valid designs exist."""
+    # The limit is far from the first generation, but within the ranges.
     far = ["metrics.stall_torque.minimum=300 N.m", "search.generations=1"]
     for seed in (1, 2, 3):
         keys = [*far, f"search.seed={seed}"]
@@ -425,8 +427,9 @@ def test_search_without_a_valid_design_continues_while_it_improves(spec, fmu, cl
     assert "search.longest = 1e-06 s ended the search" in cut.verdict()
 
 
+@pytest.mark.slow
 def test_search_reports_a_better_design_of_another_seed(spec, fmu, cluster, tmp_path):
-    """The second of two searches in a folder knows what the first found."""
+    """The second search in a folder reads the results of the first."""
     short = ["search.population=4", "search.generations=1", "search.starts=1"]
     given = [[], [*short, "search.seed=7"]]
     long, brief = (
@@ -443,8 +446,9 @@ def test_search_reports_a_better_design_of_another_seed(spec, fmu, cluster, tmp_
     assert f"caveat: {told}" in brief.lines(worse[0])
 
 
+@pytest.mark.slow
 def test_stalled_search_restarts(spec, fmu, cluster, tmp_path):
-    """From few designs of which none is heavy enough a start may stall; another one finds what there is."""
+    """A start with few light designs may stall; another start then reaches a valid design."""
     lone = ["metrics.stall_torque.minimum=250 N.m", "search.population=4", "search.generations=1"]
     for starts in (1, 50):
         keys = [*lone, "search.stall=1", f"search.starts={starts}"]

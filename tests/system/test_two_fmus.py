@@ -1,4 +1,4 @@
-"""Module and shaft as two FMUs, coupled as the example does, against the elastic module in one piece."""
+"""Test module and shaft as two FMUs, coupled as in the example, against the monolithic elastic module."""
 
 import contextlib
 import math
@@ -37,7 +37,7 @@ def test_a_run_from_a_table_gives_each_step_the_inputs_of_its_beginning(built):
 
 @pytest.fixture(scope="module")
 def elastic(built):
-    """Speeds of hub and driven mass at the end of each window, shape (windows, 2), in one piece."""
+    """Return monolithic speeds of hub and driven mass at the end of each window, shape (windows, 2)."""
     parameters = {"fidelity": "elastic", **HUB, **SHAFT}
     with Fmu(built / "InertiaModule.fmu", parameters, {"omega1": 100.0, "load_torque": 10.0}, 1e-10) as fmu:
         rows = []
@@ -48,7 +48,7 @@ def elastic(built):
 
 
 def stepped(built, advance, step, steps, look, module=HUB, shaft=SHAFT, speed=0.0, load=10.0):
-    """Results of `look` at the two FMUs after each step, and the energies they passed each other."""
+    """Return the results of `look` at the two FMUs after each step, and their exchanged energies."""
     with contextlib.ExitStack() as stack:
         both = (
             stack.enter_context(Fmu(built / "InertiaModule.fmu", module, {"omega1": 100.0}, 1e-9)),
@@ -64,7 +64,7 @@ def stepped(built, advance, step, steps, look, module=HUB, shaft=SHAFT, speed=0.
 
 
 def coupled(built, advance, step):
-    """(speeds as above of two FMUs, share of the energy out of the module that is lost on the way)."""
+    """Return the same speeds of two FMUs, and the relative loss of energy between them."""
     every = round(WINDOW / step)
     speeds, left, arrived = stepped(
         built, advance, step, WINDOWS * every, lambda *both: [fmu["omega_out"] for fmu in both]
@@ -96,7 +96,7 @@ def test_recommended_coupling_conserves_energy(built, elastic):
 
 
 def swing(built, way, z, steps):
-    """Growth of the swing of a free hub on an undamped shaft with a heavy mass; z = h^2 c/J3."""
+    """Return the growth of the oscillation of a free hub on an undamped shaft; z = h^2 c/J3."""
     step, speed = 1e-4, 50.0
     free = {**HUB, "imbalance_mass": 1e-9, "omega_out_start": speed}
     shaft = {
@@ -115,10 +115,10 @@ def swing(built, way, z, steps):
 @pytest.mark.parametrize(
     "way, z, steps, least, most",
     [
-        # up to two steps to a radian it neither swings up nor dies down
+        # Up to two steps per radian the amplitude is constant.
         *((WITH_DERIVATIVES, z, 120, 0.98, 1.02) for z in (0.04, 1.0, 3.0, 3.9)),
         (WITH_DERIVATIVES, 4.1, 15, 10.0, math.inf),
-        # a mean torque makes it swing up at any step
+        # A mean torque makes the oscillation grow with each step size.
         (JACOBI, 0.04, 120, 1.2, math.inf),
         (gauss_seidel, 0.04, 120, 1.2, math.inf),
     ],

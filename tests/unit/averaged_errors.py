@@ -1,4 +1,4 @@
-"""Fidelity averaged with losses against steady pulses of the rigid module.
+"""Print errors of fidelity averaged with losses, relative to steady pulses of the rigid module.
 
 Run: python tests/unit/averaged_errors.py, for the table in accuracy.md.
 """
@@ -12,12 +12,12 @@ REALISTIC = PARTS["realistic"]
 
 
 def of_pulses(_kernel, values, omega1, ratio):
-    """Torque on the load and input torque, N m, of its sign, efficiency, mean speed of link 2 over omega1."""
+    """Return output and input torque, N m, efficiency, and mean speed of link 2 over omega1."""
     return SteadyMachine(values).at(omega1, ratio)[:4]
 
 
 def of_map(kernel, values, omega1, ratio):
-    """These numbers by fidelity averaged."""
+    """Return the same numbers by fidelity averaged."""
     module = Module(kernel).start(
         **{**values, "fidelity": 1, "output_inertia": 1e5},
         omega1=omega1,

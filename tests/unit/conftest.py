@@ -4,5 +4,5 @@ from scenes import SCENES
 
 @pytest.fixture(scope="module", params=SCENES)
 def scene(request):
-    """Scene R1 of the bevel layout, and the planar one."""
+    """Return scene R1 of the bevel layout, or the planar scene."""
     return SCENES[request.param]

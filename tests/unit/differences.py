@@ -1,4 +1,4 @@
-"""Rates by central differences, for tests of the rates that the kernel writes out."""
+"""Central differences for tests of the rates in the kernel."""
 
 import numpy as np
 import pytest

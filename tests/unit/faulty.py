@@ -1,14 +1,14 @@
-"""Modules with one fault each, which what judges them has to find."""
+"""Modules with a planted fault each, for tests of the checks."""
 
 from inertia_module.model import Module
 
 
 def faulty(after_step=None, told=None, after_restore=None):
-    """A class of modules with a fault.
+    """Return a class of modules with a fault.
 
     Args:
-        after_step: done to a module after each step (module, step size). told: parameters in place of those
-            that a module is started with (a function of these). after_restore: done to a restored module.
+            after_step: Called after each step (module, step size). told: Function that changes the
+                    parameters of the start. after_restore: Called after a state is restored.
     """
 
     class Faulty(Module):
@@ -29,7 +29,7 @@ def faulty(after_step=None, told=None, after_restore=None):
 
 
 def raising(error):
-    """A class of modules whose steps end with an exception."""
+    """Return a class of modules whose steps raise an exception."""
 
     def fault(module, step_size):
         raise error
@@ -38,7 +38,7 @@ def raising(error):
 
 
 def showing(**values):
-    """A class of modules with other outputs after each step: numbers, or functions of module and step."""
+    """Return a class of modules with changed outputs: numbers, or functions of (module, step)."""
 
     def fault(module, step_size):
         for name, value in values.items():

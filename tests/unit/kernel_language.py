@@ -1,4 +1,4 @@
-"""Functions in the language of the kernel, one for each construct: test_translate runs them in both ways.
+"""Functions in the language of the kernel, one per construct; test_translate runs them in both ways.
 
 Each takes two floats, an int of at least 1 and a record, and returns a float.
 """
@@ -30,7 +30,7 @@ def modulo(a, b, n, x):
 
 
 def power(a, b, n, x):
-    """A power that is no product."""
+    """A power that does not become a product."""
     return math.pow(abs(a), b / 3.0)
 
 

@@ -1,4 +1,4 @@
-"""Refusals: sentences on values and on parameters that do not go together; those of an action."""
+"""Checks of errors: messages about values, about contradictory parameters, and about actions."""
 
 import re
 import tomllib
@@ -7,17 +7,17 @@ from pathlib import Path
 from inertia_module.common.errors import InertiaModuleError
 from inertia_module.model import ModelInstance
 
-# by what is refused, rows of what is given and words of the sentence
+# Rows of values and words of the message, by kind of error.
 REFUSED = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 
 
 def sentence(variable, value):
-    """The whole refusal of a value, from the table of variables."""
+    """Return the complete message for a bad value, from the table of variables."""
     return f"{variable.name} must be {variable.allowed} (got {value:.16g})"
 
 
 def records(action):
-    """Values, state and outputs of the model in memory that an action is of, where it has started."""
+    """Return values, state and outputs of the started model in memory that owns an action."""
     owner = getattr(action, "__self__", None)
     if not (isinstance(owner, ModelInstance) and owner.started):
         return []
@@ -25,7 +25,7 @@ def records(action):
 
 
 def refusal(action, *arguments, **values):
-    """The line that an action is refused with; "" where it is not. A model that has started is as it was."""
+    """Return the message of a rejected action, "" if it succeeds. A started model must not change."""
     said, before = "", records(action)
     try:
         action(*arguments, **values)
@@ -37,6 +37,6 @@ def refusal(action, *arguments, **values):
 
 
 def assert_refused(words, action, *arguments, **values):
-    """That an action is refused in a line with these words, a regular expression."""
+    """Check that an action fails with a line that matches a regular expression."""
     said = refusal(action, *arguments, **values)
     assert re.search(words, said), said

@@ -11,19 +11,19 @@ from inertia_module.interface.variables import PARAMETER, with_causality
 from inertia_module.model import Module
 from verification.reference.motion import Reference
 
-# table of scenes
+# Table of scenes.
 TABLE = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 SCENES, LAYOUTS, FREEWHEELS = TABLE["scenes"], TABLE["layouts"], TABLE["freewheels"]
 REFERENCE, PLANAR = SCENES["bevel"], SCENES["planar"]
 LOSSES, PARTS, FOUND = TABLE["losses"], TABLE["parts"], TABLE["found"]
 ELASTIC, ENGINE, GEARS = (PARTS[name] for name in ("elastic", "engine", "gears"))
 FRICTION, SHAFT, WIND_UP, PLAY = (PARTS[name] for name in ("friction", "shaft", "wind_up", "play"))
-# mechanisms without inputs
+# Mechanisms without inputs.
 MECHANISMS = {
     layout: {name: value for name, value in scene.items() if name not in ("omega1", "load_torque")}
     for layout, scene in SCENES.items()
 }
-# the same two with an engine
+# The same mechanisms with an engine.
 DRIVEN = {
     "bevel": {**REFERENCE, **ENGINE, "drive_torque": 15.0},
     "planar": {**PLANAR, **ENGINE, "drive_torque": 12.0},
@@ -37,12 +37,12 @@ LEVELS = {
     "elastic": ELASTIC,
 }
 ALL_LOSSES = {name: value for losses in LOSSES.values() for name, value in losses.items()}
-# parameters that change between steps
+# Parameters that change between steps.
 TUNED = {**FRICTION, **SHAFT, "kinematic_ratio": 0.7}
 ACCOUNTS = [
     f"energy_lost_{cause}" for cause in ("viscous", "shaft", "mesh", "journal", "freewheel", "windage")
 ]
-# the account of a loss that is not its own
+# Account of each loss with a shared account.
 CAUSE = {"satellite_mesh": "mesh", "housing_drag": "freewheel", "output_drag": "freewheel"}
 MOTION = (
     *("omega2", "omega_out", "input_speed", "drive_angle", "input_angle"),
@@ -52,8 +52,8 @@ MEANS = (
     *("input_torque_mean", "output_torque_mean", "mesh_torque_mean", "housing_torque_mean"),
     "torque_ripple",
 )
-# additions to the mechanism: properties that ideal solvers support, and properties that need the general
-# solver
+# Additions to the mechanism: properties that ideal solvers support, and properties that need the general
+# solver.
 ADDED = {
     "ideal": {},
     "gears": GEARS,
@@ -65,7 +65,7 @@ ADDED = {
 }
 
 
-# ... only a shaft has
+# These additions require a shaft.
 SPRINGS = ("wind-up", "worn")
 
 
@@ -82,7 +82,7 @@ def motions(levels=tuple(LEVELS), added=tuple(ADDED), missing=tuple(FREEWHEELS)[
     rows = []
     for layout, drive, level in product(SCENES, drives, levels):
         if (drive, level) == ("torque", "kinematic"):
-            continue  # the motion is prescribed
+            continue  # The level prescribes the motion.
         scene = DRIVES[drive][layout] | LEVELS[level]
         name = f"{layout}-{drive}-{level}"
         for more in added:
@@ -96,9 +96,9 @@ def motions(levels=tuple(LEVELS), added=tuple(ADDED), missing=tuple(FREEWHEELS)[
 
 
 def started(kernel, *scenes, **values):
-    """A module started with these scenes, later ones over earlier ones, and values over all.
+    """Return a started module; later scenes override earlier ones, and values override all scenes.
 
-    What they do not give is 0: speed of link 1 and load.
+    The default of the speed of link 1 and of the load is 0.
     """
     settings = {"omega1": 0.0, "load_torque": 0.0}
     for scene in (*scenes, values):
@@ -107,7 +107,7 @@ def started(kernel, *scenes, **values):
 
 
 def advanced(module, *steps, **inputs):
-    """The module after these steps with these inputs."""
+    """Return the module after these steps with these inputs."""
     module.set(**inputs)
     for step in steps:
         module.advance(step)
@@ -115,7 +115,7 @@ def advanced(module, *steps, **inputs):
 
 
 def parameters(**values):
-    """All parameters by name, these over the defaults."""
+    """Return all parameters by name; values override the defaults."""
     return {v.name: v.start for v in with_causality(PARAMETER)} | values
 
 
@@ -124,7 +124,7 @@ def drive_angle(module):
 
 
 def reference(values, duration=0.0):
-    """The scene after a while by the independent reference: nothing of the kernel takes part."""
+    """Return the scene after a duration by the independent reference, without code of the kernel."""
     motion = Reference(values, *(values.get(name, 0.0) for name in ("omega1", "load_torque", "drive_torque")))
     motion.advance(duration)
     return motion
@@ -135,7 +135,7 @@ def input_angle(module):
 
 
 def passed(module):
-    """Energies that went through a module, J."""
+    """Return the energies transmitted by a module, J."""
     names = ("energy_in", "energy_out", "energy_stored", "energy_lost")
     return sum(abs(module[name]) for name in names)
 

@@ -1,4 +1,4 @@
-"""Angles are wrapped, turns counted apart, nothing is lost; sine, cosine and inertia keep their digits."""
+"""Test that angles are wrapped and turns counted without loss of digits, and exact sines and inertias."""
 
 import math
 from fractions import Fraction
@@ -16,20 +16,20 @@ from inertia_module.kernel.accumulate import wrap_drive_angle, wrap_input_angle
 from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.kernel.sine import MAX_ANGLE, sine_cosine
 
-# pi to 60 digits
+# The number pi with 60 digits.
 PI = Fraction(3141592653589793238462643383279502884197169399375105820974944, 10**60)
 ULP = 2.0**-52
-TINY = 2.0**-16  # s: with speeds that are powers of two every increment is exact
+TINY = 2.0**-16  # s; speeds that are powers of two make each increment exact
 
 
 def wrapped(angle, period):
-    """(exact angle within one period, whole turns taken off)."""
+    """Return the exact angle within one period, and the whole turns removed."""
     periods = angle // period
     return angle - periods * period, periods * round(period / (2 * PI))
 
 
 def distance(angle, exact, period):
-    """Distance of two angles on the circle."""
+    """Return the distance of two angles on the circle."""
     gap = (Fraction(angle) - exact) % period
     return float(min(gap, period - gap))
 
@@ -105,7 +105,7 @@ def assert_both_are_close(x):
     with mpmath.workprec(200):
         exact = mpmath.sin(x), mpmath.cos(x)
         for actual, expected in zip(sine_cosine(x), exact, strict=True):
-            # close to a zero the reduced angle is known to 1e-21 of the quadrants taken off
+            # Near a zero the error of the reduced angle is 1e-21 of the removed quadrants.
             assert abs(actual - expected) <= 1.5 * ULP * abs(expected) + 1e-30 * abs(x) + 5e-324
 
 
@@ -120,7 +120,7 @@ def test_sine_and_cosine_have_at_most_1_5_ulp():
         assert_both_are_close(0.0707 * n)
 
 
-# --- inertia over the drive angle ---
+# --- inertia as a function of the drive angle ---
 
 
 @pytest.mark.parametrize("satellites", [1, 2, 3])

@@ -1,4 +1,4 @@
-"""A step is answered only if its energies balance: what the input puts in goes out, is lost or is stored."""
+"""Test the energy audit: a step succeeds only if input energy equals output, losses and stored energy."""
 
 import itertools
 
@@ -11,7 +11,7 @@ from inertia_module.kernel.codes import NOT_BALANCED, OK
 
 BEFORE = {"energy_in": 1.0, "energy_out": 2.0, "energy_stored": 10.0}
 AFTER = {"energy_in": 9.0, "energy_out": 6.0, "step_lost": 1.0, "energy_stored": 13.0}
-# energies: input, output and losses in the step, and energy stored at its ends
+# Energies: input, output and losses in the step, and stored energy at its ends.
 ENERGIES = 8.0 + 4.0 + 1.0 + 13.0 + 10.0
 
 
@@ -33,7 +33,7 @@ def spoil(monkeypatch):
 
 
 def audited(tolerance, **energies):
-    """Status of a step between the energies above, some of them others."""
+    """Return the status of a step with the energies above, some of them replaced."""
     module = started("plain", omega1=0.0)
     d, x, before = module.derived, module.state, type(module.state)()
     for name, value in BEFORE.items():
@@ -58,7 +58,7 @@ def test_step_without_energy_balance_is_repeated_and_then_rejected(spoil, values
     careful.derived.tolerance *= 1e-3
     spoil(1)
     assert bytes(advanced(module, 0.1).state) == bytes(advanced(careful, 0.1).state)
-    # the following steps have the requested tolerance
+    # The following steps have the requested tolerance.
     assert advanced(module, 0.1)["rhs_evaluations"] < advanced(careful, 0.1)["rhs_evaluations"]
     spoil(2)
     assert_refused("the energy balance check failed with tolerance = 1e-06", module.advance, 0.01)

@@ -1,4 +1,4 @@
-"""Fidelity averaged: the mean motion of the output shaft, the speed or the torque of link 1 given."""
+"""Test fidelity averaged: mean motion of the output shaft with prescribed speed or torque of link 1."""
 
 import itertools
 import math
@@ -12,7 +12,7 @@ from inertia_module.model import Module
 
 AVERAGED = {"fidelity": 1}
 BY_TORQUE = {"fidelity": 1, "drive": 1}
-# where link 1 has next to no inertia of its own and the last ratio of the map is many times 1
+# Link 1 has almost no inertia. The last ratio of the map exceeds 1 many times.
 LIGHT = {
     "layout": 1,
     "sun_radius": 0.03,
@@ -51,7 +51,7 @@ def test_energy_taken_in_while_the_input_changes_is_the_mean_of_the_rigid_module
         "input_inertia": 0.05,
     }
     mean, rigid = (started(compiled, scene, heavy, fidelity=fidelity) for fidelity in (1, 2))
-    start = rigid["energy_stored"] - mean["energy_stored"]  # the rigid one starts at one angle
+    start = rigid["energy_stored"] - mean["energy_stored"]  # The rigid module starts at a single angle.
     for n in range(1, 401):
         for module in (mean, rigid):
             advanced(module, 0.05, omega1=60.0 + 0.1 * n)
@@ -83,7 +83,7 @@ def test_long_step_equals_many_short_steps(compiled, scene, load, ramp):
 
 @pytest.fixture(params=[0, 1], ids=["held", "extrapolated"])
 def locked(request, compiled):
-    """The planar machine after its shaft has come up to link 1, its input held or extrapolated."""
+    """Return the planar machine in lock-up, with its input held or extrapolated."""
     return advanced(averaged(compiled, SCENES["planar"], load_torque=2.0, input_hold=request.param), 60.0)
 
 
@@ -224,17 +224,17 @@ LIGHT_INPUTS = [
     for link2, inertia, output in itertools.product((1e-6, 1e-3), (0.12, 0.5), (0.002, 0.02))
 ]
 FROM_REST = [{"input_inertia": 0.1, "load_torque": load} for load in (-5.0, 0.0, 5.0)]
-# link 1 at rest and the shaft ahead: braked at once, backwards behind a light shaft, by nothing
+# Link 1 rests and the shaft turns: it brakes at once, reverses behind a light shaft, or has no torque.
 AHEAD = [
     ({"load_torque": 1e4, "omega2_start": 5.0, "omega_out_start": 5.0}, 15.0),
     ({"load_torque": 10.0, "omega_out_start": 20.0, "output_inertia": 1e-5}, -15.0),
     ({"load_torque": 10.0, "omega_out_start": 0.5, "input_inertia": 1.0}, 0.0),
 ]
-# to a ratio of 1 and beyond
+# Speeds up to a ratio of 1 and above.
 UP = {"input_inertia": 0.08, "omega_out_start": 120.0, "omega1": 100.0, "load_torque": 10.0}
 DOWN = {"input_inertia": 0.2, "omega_out_start": 60.0, "omega1": 60.0, "load_torque": 20.0}
 ABOUT = {"output_inertia": 0.05, "omega_out_start": 60.0, "omega1": 60.0, "load_torque": 2.0}
-# parameters and start, the torques one after the other
+# Parameters and start values, and the sequence of torques.
 BY_AN_ENGINE = [
     *((values, [torque]) for values in LIGHT_INPUTS for torque in (-5.0, 0.5)),
     *((values, [torque]) for values in FROM_REST for torque in (-20.0, 0.0, 20.0)),

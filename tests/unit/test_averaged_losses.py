@@ -1,6 +1,6 @@
 """Test fidelity averaged with losses: means against the pulses, energy balance, rejections.
 
-The means belong to the steady motion, also if link 2 never rests.
+The means describe the steady motion, even if link 2 never rests.
 """
 
 import math
@@ -25,11 +25,11 @@ HEAVY = mechanism(FOUND["heavy_link_2"])
 
 
 def alone(name):
-    """A machine with this loss alone: the satellites of the planar layout meet no wheel 17."""
+    """Return a machine with a single loss: the satellites of the planar layout have no wheel 17."""
     return (PLANAR if name != "satellite_mesh_efficiency" else {}) | {name: ALONE[name][0]}
 
 
-# shape and losses, input speed, ratio, how close
+# Shape and losses, input speed, ratio, tolerance.
 STEADY = [
     *(
         (MECHANISMS[mechanism] | REALISTIC, omega1, ratio, bound)
@@ -111,7 +111,7 @@ def test_drag_of_both_freewheels_holds_a_shaft_at_rest(compiled, load):
 
 def test_max_step_does_not_change_the_map(compiled):
     means = []
-    # (another efficiency, so that both have maps of their own)
+    # Another efficiency, so that each run computes its own map.
     for efficiency, longest in ((0.96, 1e-3), (0.96 + 1e-9, 0.0)):
         values = {"mesh_efficiency": efficiency, "max_step": longest}
         module = advanced(averaged(compiled, values, omega1=50.0, omega_out_start=20.0), 0.01)
@@ -126,7 +126,7 @@ def test_journals_without_slip_lock_the_output_to_link_1(compiled):
 
 
 def under_torque(kernel, values, fidelity, speed, torque):
-    """The module 60 s after it has settled, its output held at a speed; mean speed of link 1."""
+    """Return the module after 60 s at a constant output speed, and the mean speed of link 1."""
     held = {"drive": 1, "fidelity": fidelity, "output_inertia": 1e5, "tolerance": 1e-7}
     start = {"omega1": 130.0, "omega_out_start": speed, "drive_torque": torque}
     module = advanced(started(kernel, values, held, start), 30.0)
@@ -134,7 +134,7 @@ def under_torque(kernel, values, fidelity, speed, torque):
     return advanced(module, 60.0), (input_angle(module) - angle) / 60.0
 
 
-# shape and losses, held speeds (of one map), torque of link 1, how close
+# Shape and losses, output speeds of one map, torque of link 1, tolerance.
 UNDER_TORQUE = [
     *(
         (MECHANISMS[mechanism] | REALISTIC | {"input_inertia": inertia}, (10.0, 50.0), torque, 0.01)
@@ -142,7 +142,7 @@ UNDER_TORQUE = [
         for inertia in (0.13, 1.0)
     ),
     *((alone(name) | {"input_inertia": 0.5}, (20.0,), 15.0, 0.005) for name in ALONE),
-    # no losses; link 1 lighter and heavier than the parts that rotate with it
+    # Without losses; the inertia of link 1 is below and above the inertia of the parts that rotate with it.
     *(
         (shape | {"input_inertia": share * interface_inertia(shape).maximum}, (10.0, 50.0), torque, 0.02)
         for shape, torque in ((MECHANISMS["bevel"], 12.0), (PLANAR, 20.0))
@@ -202,14 +202,14 @@ def test_map_follows_losses_that_change_between_steps(compiled):
 
 
 def stall_torque(values, omega1):
-    """Of the machine without losses, N m."""
+    """Return the stall torque of the machine without losses, N m."""
     rubs = re.compile(".*(efficiency|friction|drag).*")
     lossless = {name: value for name, value in values.items() if not rubs.fullmatch(name)}
     return of_map("compiled", lossless, omega1, 0.0)[0]
 
 
 def errors(values, omega1, ratio):
-    """Of the torques, over the stall torque, and of the efficiency where there is a fiftieth of that."""
+    """Return torque errors over the stall torque, and efficiency errors at torques above 1/50 of it."""
     means, pulses = of_map("compiled", values, omega1, ratio), of_pulses("compiled", values, omega1, ratio)
     stall = stall_torque(values, omega1)
     return (
@@ -228,7 +228,7 @@ def test_mean_equals_the_steady_motion(shape, losses, omega1, ratio):
 
 
 def drawn(draw, number):
-    """A random mechanism with losses, input speed and ratio."""
+    """Return a random mechanism with losses, an input speed and a ratio."""
     planar = number % 4 == 3
     if planar:
         radii = {"sun_radius": draw.uniform(0.03, 0.2), "satellite_radius": draw.uniform(0.02, 0.1)}
@@ -274,7 +274,7 @@ def test_random_machines_with_losses_have_the_torque_and_efficiency_of_their_pul
         try:
             Module("plain").check(**values)
         except InertiaModuleError:
-            continue  # the meshes jam
+            continue  # The meshes jam.
         seen += 1
         torque, _, efficiency = errors(values, omega1, ratio)
         if torque > 0.02 or efficiency > 0.01:

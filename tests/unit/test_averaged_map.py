@@ -1,4 +1,4 @@
-"""The map of fidelity averaged against the rigid module with its output speed held; its interpolation."""
+"""Test the averaged map with the rigid module at constant output speed, and the interpolation of the map."""
 
 import ctypes
 import math
@@ -26,13 +26,13 @@ HELD = {"output_inertia": 1e5, "load_torque": 0.0, "tolerance": 1e-9}
 
 
 def at_ratio(kernel, mechanism, omega1, sigma, **values):
-    """Averaged module just started with its output at this ratio to omega1."""
+    """Return a started averaged module with its output at this ratio to omega1."""
     speed = abs(omega1) * sigma
     return started(kernel, mechanism, fidelity=1, omega1=omega1, omega_out_start=speed, **values)
 
 
 def rigid_after(kernel, mechanism, omega1, sigma, time):
-    """Rigid module with its output held at this ratio, after a step of this length in its steady motion."""
+    """Return the rigid module with its output at this ratio, after a step in the steady motion."""
     module = started(kernel, mechanism, HELD, omega1=omega1, omega_out_start=abs(omega1) * sigma)
     return advanced(module, 2.0, time)
 
@@ -50,7 +50,7 @@ def test_means_ripple_and_peak_agree_with_pulses_at_constant_output_speed(compil
     assert module["output_torque"] == pytest.approx(pulses.output_torque, abs=5e-3 * stall)
     assert module["torque_ripple"] == pytest.approx(pulses.ripple, rel=0.02, abs=0.01 * module["torque_peak"])
     assert module["torque_peak"] == pytest.approx(pulses.peak, rel=0.06, abs=0.05)
-    # the mean input torque is the mesh torque: M1 = M2 if no energy is stored
+    # The mean input torque is the mesh torque: M1 = M2 if no energy is stored.
     measured = math.copysign(1.0, omega1) * pulses.input_torque
     assert module["mesh_torque"] == pytest.approx(measured, abs=5e-3 * stall)
     assert module["input_torque"] == pytest.approx(measured, abs=5e-3 * stall)
@@ -69,7 +69,7 @@ def test_torque_is_quadratic_in_speed_and_symmetric(compiled, mechanism):
     forward, backward = (at_ratio(compiled, settings, omega1, 0.0) for omega1 in (100.0, -100.0))
     assert forward["output_torque"] > 0.0
     assert backward["output_torque"] == pytest.approx(forward["output_torque"], rel=2e-4)
-    # and none is passed to a shaft that link 2 never reaches
+    # A shaft that link 2 never reaches receives no energy.
     for omega1, end in ((100.0, 2.0), (-100.0, 10.0)):
         assert at_ratio(compiled, settings, omega1, end)["output_torque"] == pytest.approx(0.0, abs=1e-9)
         assert rigid_after(compiled, settings, omega1, end, 5.0)["output_torque_mean"] == 0.0
@@ -92,7 +92,7 @@ def test_long_periods_of_coprime_teeth_are_averaged_too(compiled):
     ids=["heavy drive", "hardly an imbalance"],
 )
 def test_map_terminates_if_rounding_switches_freewheels(compiled, settings):
-    """Link 2 moves by rounding alone: its freewheels switch at once wherever they are."""
+    """Link 2 moves only by rounding: its freewheels switch at once at each speed."""
     module = started(compiled, settings, fidelity=1)
     assert module.derived.map_evaluations < 1e6
     assert 0.0 <= module["output_torque"] <= 10.0
@@ -104,7 +104,7 @@ def test_equal_instances_share_a_map(compiled, monkeypatch):
     first = Module(compiled).start(fidelity=1, omega1=100.0)
     assert first.derived.map_evaluations > 0.0
     (cached_map,) = cached(tuple(first[name] for name in MAP_KEY))
-    cached_map.map_evaluations = -1.0  # a rebuilt map counts from zero
+    cached_map.map_evaluations = -1.0  # A rebuilt map counts from zero.
     second = Module(compiled).start(fidelity=1, omega1=50.0, output_inertia=3.0)
     assert second.derived.map_evaluations == -1.0
     for side in ("forward", "backward"):
@@ -146,7 +146,7 @@ def test_a_saved_state_is_small():
 
 @pytest.fixture
 def side():
-    """A map of random numbers, up to ratio 0.8."""
+    """Return a map of random numbers up to ratio 0.8."""
     chance = random.Random(1)
     side = started("plain").derived.forward
     side.end = 0.8

@@ -1,4 +1,4 @@
-"""Mean motion while a ramp of the input speed passes zero: a shaft that comes to rest is released again."""
+"""Test the mean motion if a ramp of the input speed crosses zero: a shaft at rest starts again."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Ranges and lists of keys, free keys and measured columns of jobs; their refusals."""
+"""Test ranges and lists of keys, free keys, measured columns of studies, and their errors."""
 
 from collections import Counter
 
@@ -104,7 +104,7 @@ def test_a_sweep_is_drawn_over_each_key_or_as_a_map_of_two(scene, number, panels
     found = SweepResult(axes, rows, {"one": "N", "load.mass": "kg"}, 0, {}, [], {})
     figure = sweep_figure(found, ["one", "two"])
     figure.canvas.draw()
-    assert len(figure.axes) == panels  # those of the colours too
+    assert len(figure.axes) == panels  # The count includes the axes of the colour bar.
     assert [text.get_text() for text in figure.axes[0].get_xticklabels()] == ["bevel", "planar"]
     labels = [text for one in figure.axes for text in (one.get_xlabel(), one.get_ylabel()) if text]
     assert set(labels) == {"one [N]", "two", *["layout", "load.mass [kg]", "z17"][:number]}
@@ -118,7 +118,7 @@ def test_free_keys_begin_at_the_values_of_the_scene_and_change_by_a_range_or_as_
         ranges_of_texts(["imbalance_mass=500 g:2", "load.mass", "omega_out_start=-1:3"]), scene
     )
     assert [one.name for one in (mass, load)] == ["mechanism.imbalance_mass", "load.mass"]
-    # the default of 1 kg
+    # The mass has its default of 1 kg.
     assert (mass.start, mass.size, mass.has_range) == (1.0, 1.5, True)
     assert (mass.at(0.5), mass.low, mass.high) == (1.25, 0.5, 2.0)
     assert (load.start, load.size, load.has_range, load.at(0.2)) == (900.0, 900.0, False, 900.0)

@@ -1,4 +1,4 @@
-"""Files of the cache: one that is cut, empty or of another program is not used, and made again."""
+"""Test cache files: a damaged, empty or foreign file is ignored and written again."""
 
 import ctypes
 import shutil
@@ -24,7 +24,7 @@ DAMAGES = {
 
 @pytest.fixture
 def cache(tmp_path, monkeypatch):
-    """An empty cache folder."""
+    """Return an empty cache folder."""
     folder = tmp_path / "cache"
     monkeypatch.setenv("INERTIA_MODULE_CACHE", str(folder))
     return folder
@@ -32,7 +32,7 @@ def cache(tmp_path, monkeypatch):
 
 @pytest.fixture
 def made():
-    """How often a content was made."""
+    """Return a function that counts how often a content is made."""
     return []
 
 
@@ -59,7 +59,7 @@ def test_a_file_of_other_sources_or_of_another_name_is_not_used(cache, made):
     path, other = kept(made), kept(made, b"another source")
     third = kept(made, name="kernel-windows.dll")
     assert (len({path, other, third}), len(made)) == (3, 3)
-    # nor is the content of one under the name of another
+    # The content of a file under another name is invalid.
     third.rename(path)
     assert kept(made).read_bytes() == CONTENT
     assert len(made) == 4

@@ -1,4 +1,4 @@
-"""Torque converter charts and tables, and the steady pulses that they are made of where something is lost."""
+"""Test converter charts and tables, and the steady pulses of machines with losses."""
 
 import csv
 import json
@@ -77,12 +77,12 @@ def test_each_freewheel_of_a_planar_module_engages_once_a_turn_of_the_drive(loss
     measured = np.flatnonzero(np.isin(chart.speed_ratio, charts.RATIOS))
     assert measured.size > 1
     for engagements in (chart.housing_engagements, chart.output_engagements):
-        # next to lock-up the map of the mean speed of link 2 is coarse
+        # Near lock-up the map of the mean speed of link 2 is coarse.
         assert engagements[measured] == pytest.approx(expected[measured], abs=4e-3)
     assert chart.summary()["output_engagements_maximum"] == pytest.approx(5.0 / 3.0, rel=1e-6)
     at_speed = chart.summary(80.0, {"housing": 10.0, "output": 60.0})
     assert at_speed["output_engagements_maximum"] == pytest.approx(80.0 / math.tau * 5.0 / 3.0, rel=1e-6)
-    # there the housing freewheel engages ten times a second at stall
+    # At this speed the housing freewheel engages ten times a second at stall.
     assert at_speed["indexing_speed"] == pytest.approx(10.0 * math.tau * 0.6, rel=1e-6)
     assert {name: chart.units(80.0)[name] for name in list(at_speed)[-3:]} == {
         "housing_engagements_maximum": "Hz",
@@ -130,7 +130,7 @@ def table_of(parameters, omega1):
 
 
 def block(table, omega1, speed_ratio):
-    """Input and output torque of a lookup block with this table."""
+    """Return input and output torque of a lookup block with this table."""
     k = np.interp(speed_ratio, table.speed_ratio, table.capacity_factor)
     taken = (omega1 / k) ** 2
     return taken, np.interp(speed_ratio, table.speed_ratio, table.torque_ratio) * taken
@@ -150,7 +150,7 @@ def test_table_is_finite_and_gives_the_torques_of_the_chart(parameters, omega1):
     taken, passed = block(table, omega1, table.speed_ratio)
     assert passed == pytest.approx(table.output_torque, rel=1e-12, abs=1e-12)
     limited = table.torque_ratio > charts.LARGEST_TORQUE_RATIO * (1.0 - 1e-9)
-    # no capacity factor says that the shaft drives link 1: the column of the input torque does
+    # The capacity factor has no sign. The column of the input torque shows that the shaft drives link 1.
     expected, floor = np.maximum(table.input_torque, 0.0), 1e-4 * table.input_torque.max()
     assert taken[~limited] == pytest.approx(expected[~limited], rel=1e-9, abs=1.01 * floor)
     assert (taken[limited] >= table.input_torque[limited] * (1.0 - 1e-9)).all()
@@ -174,12 +174,12 @@ def test_coasting_torque_is_zero_without_losses():
     assert coast.sum() == 5
     assert not ideal.output_torque[coast].any()
     assert not ideal.input_torque[coast].any()
-    # as the rigid module, whose shaft is driven from outside
+    # The rigid module also transmits no mean torque if its shaft is driven from outside.
     braked, taken = SteadyMachine(PLANAR).coasting(100.0, 1.5)
     assert abs(braked) + abs(taken) < 1e-2 * ideal.output_torque.max()
     coast = lossy.speed_ratio > 1.0
     ahead = 100.0 * (lossy.speed_ratio[coast] - 1.0)
-    # link 2 has come along at the speed of link 1
+    # Link 2 rotates at the speed of link 1.
     drag = LOSSES["output_drag"] + LOSSES["output_drag_viscous"] * ahead
     shaft = LOSSES["output_friction"] * 100.0 * lossy.speed_ratio[coast]
     assert lossy.output_torque[coast] == pytest.approx(-(drag + shaft), rel=1e-3)
@@ -210,12 +210,12 @@ def test_mechanism_without_torque_is_rejected():
     assert_refused(words, converter_table, SteadyMachine({}), charts.TorqueConverterChart(**none), 100.0)
 
 
-# --- steady pulses: closed forms with friction (test_averaged_map.py has those without losses) ---
+# --- steady pulses: closed forms with friction (test_averaged_map.py tests them without losses) ---
 
 
 @pytest.mark.parametrize("omega1, ratio", [(60.0, 0.0), (60.0, 0.7), (-60.0, 0.2)])
 def test_friction_of_input_and_output_reduces_the_torques(omega1, ratio):
-    """Neither touches the pulses: b1 omega1^2 and b3 omega3^2 come on top of the ideal machine's powers."""
+    """Friction does not change the pulses: b1 omega1^2 and b3 omega3^2 add to the ideal powers."""
     b1, b3 = 0.01, 0.02
     ideal = SteadyMachine(PLANAR).at(omega1, ratio)
     rubbed = {**PLANAR, "input_friction": b1, "output_friction": b3}
@@ -229,7 +229,7 @@ def test_friction_of_input_and_output_reduces_the_torques(omega1, ratio):
 
 
 def test_chart_ends_at_zero_output_torque_and_efficiency():
-    # the bevel one passes little torque at higher ratios
+    # The bevel layout transmits little torque at higher ratios.
     parameters = {"satellites": 3, "imbalance_mass": 0.3, "output_friction": 0.02}
     chart = compute_chart(parameters, omega1=50.0)
     assert not chart.lossless
@@ -245,7 +245,7 @@ SPEEDS, FEW = charts.MAP_SPEEDS[[0, 3, 7]], charts.RATIOS[::2]
 
 @pytest.fixture
 def small_maps(monkeypatch):
-    """Maps of three speeds and every second ratio."""
+    """Reduce the maps to three speeds and every second ratio."""
     monkeypatch.setattr("inertia_module.analysis.converter_chart.MAP_SPEEDS", SPEEDS)
     monkeypatch.setattr("inertia_module.analysis.converter_chart.RATIOS", FEW)
 
@@ -261,7 +261,7 @@ def test_map_depends_on_speed_with_viscous_friction_and_agrees_with_the_chart():
     assert told[-1] == 1.0
     middle = efficiency[:, 7]
     assert (np.diff(middle) > 0.0).all()
-    # torques go with the square of the speed, so the loss is b1 over a torque times the speed
+    # Torques scale with the square of the speed, so the loss is b1 over a torque times the speed.
     assert 1.0 / middle - 1.0 == pytest.approx(
         (1.0 / middle[0] - 1.0) * found["omega1"][0] / found["omega1"], rel=1e-4
     )
@@ -280,7 +280,7 @@ def test_map_depends_on_speed_with_viscous_friction_and_agrees_with_the_chart():
 
 @pytest.mark.usefixtures("small_maps")
 def test_row_of_the_map_agrees_with_a_rigid_run(compiled, tmp_path):
-    """The shaft's flywheel tells the torque, the energies input torque and loss, samples the ripple."""
+    """The flywheel gives the torque, the energies give input torque and loss, and samples give the ripple."""
     found = charts.steady_map(SteadyMachine(LOSSY), 200.0, lambda _: None)
     rows = read_columns(charts.save_map(found, tmp_path / "map", "rpm")[0])[0]
     omega1, inertia, step = 200.0, 1e5, 1e-4
@@ -294,7 +294,7 @@ def test_row_of_the_map_agrees_with_a_rigid_run(compiled, tmp_path):
             module.advance(step)
             samples.append(module.read(names))
         torque, angle, turns, *sums = np.array(samples).T
-        # over whole turns of the drive, after which the imbalances are as fast again
+        # Use whole turns of the drive, after which the imbalances have the same speed again.
         turned = angle / math.tau + turns - turns[0] - angle[0] / math.tau
         end = int(np.argmin(np.abs(turned - np.floor(turned[-1]))))
         faster, taken, lost = ((values[end] - values[0]) / (end * step) for values in sums)
@@ -320,10 +320,10 @@ def test_a_long_period_is_cut_off():
 def test_force_on_bearing_and_mount_with_link_2_held(satellites):
     lengths = {"sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04, "imbalance_mass": 0.3}
     machine = SteadyMachine({"layout": "planar", **lengths, "satellites": satellites})
-    # the satellite goes round at omega1 and turns at (1 + R0/r) omega1: both accelerations add up once a turn
+    # The satellite orbits at omega1 and rotates at (1 + R0/r) omega1: its accelerations align once per turn.
     greatest = 0.3 * 100.0**2 * (0.16 + (1.0 + 0.1 / 0.06) ** 2 * 0.04)
     assert machine.at(100.0, 0.0).bearing_force == pytest.approx(greatest, rel=1e-9)
-    # three of them balance each other
+    # Three satellites balance each other.
     force, moment = (
         np.linalg.norm(machine.samples([f"shaking_{load}_{axis}" for axis in "xyz"], 100.0, 0.0), axis=1)
         for load in ("force", "moment")

@@ -1,4 +1,4 @@
-"""Warnings of mechanisms that cannot be built: overlapping satellites, an imbalance outside its satellite."""
+"""Test warnings of mechanisms that cannot be built: overlapping satellites, imbalances outside."""
 
 import math
 
@@ -21,7 +21,7 @@ def warned(words, **values):
 
 
 def axis(shaft_angle, turn):
-    """Unit vector along the axis of a satellite on a drive about z."""
+    """Return the unit vector along the axis of a satellite on a drive about z."""
     sine, cosine = math.sin(shaft_angle), math.cos(shaft_angle)
     return np.array([sine * math.cos(turn), sine * math.sin(turn), -cosine])
 
@@ -57,7 +57,7 @@ def test_bevel_imbalance_outside_the_pitch_cone_is_reported(a, b, shaft_angle, z
 
 @given(own=st.floats(0.0, 1e-2), across=st.floats(0.0, 1e-2), layout=st.sampled_from([0, 1]))
 def test_bevel_satellite_with_impossible_inertias_is_reported(own, across, layout):
-    # own: twice the sum of m x^2 of a body alike about z; across: that and the sum of m z^2
+    # own: twice the sum of m x^2 of an equal body about z; across: the same and the sum of m z^2.
     along = across - 0.5 * own
     assume(abs(along) > 1e-9)
     values = {"satellite_inertia": own, "satellite_transverse_inertia": across}
@@ -74,7 +74,7 @@ def test_buildable_mechanism_has_no_warning(values):
 def test_warning_contains_the_values_and_their_limits(compiled, values, sentence):
     module = Module(compiled).start(**values)
     assert module.warnings() == [sentence]
-    # it is only a warning: the module runs
+    # The module runs in spite of the warning.
     module.set(omega1=100.0, load_torque=10.0)
     module.advance(0.01)
 

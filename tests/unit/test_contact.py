@@ -1,4 +1,4 @@
-"""Contact modes and impacts: complementarity problems with a known solution."""
+"""Test contact modes and impacts: complementarity problems with a known solution."""
 
 import random
 from types import SimpleNamespace
@@ -19,7 +19,7 @@ from inertia_module.kernel.links import kinetic_energy, momentum_of_links
 OUTPUT_FREEWHEEL = SimpleNamespace(output=1.0)
 NO_OUTPUT_FREEWHEEL = SimpleNamespace(output=0.0)
 J2, J3 = 0.3, 0.4  # kg m^2
-# two inertias without imbalance: all torques and accelerations are known
+# Two inertias without imbalance: torques and accelerations have closed forms.
 TWO_INERTIAS = {"imbalance_mass": 0.0, "link2_inertia": J2, "output_inertia": J3}
 SPEEDS = st.floats(-10.0, 10.0)
 INERTIAS = st.floats(1e-3, 10.0)
@@ -32,7 +32,7 @@ INERTIAS = st.floats(1e-3, 10.0)
         (8.0, 1.0, 4.0, 4.0, DRIVING),  # J2 8 + J3 1 = (J2 + J3) 4
         (-2.0, 8.0, 0.0, 8.0, HELD),
         (-2.0, -3.0, 0.0, 0.0, HELD_DRIVING),
-        (2.0, -3.0, 0.0, 0.0, HELD_DRIVING),  # together they would move backward
+        (2.0, -3.0, 0.0, 0.0, HELD_DRIVING),  # Locked together they would move backward.
         (0.0, 0.0, 0.0, 0.0, HELD_DRIVING),
         (0.0, 1.0, 0.0, 1.0, HELD),
         (5.0, 5.0, 5.0, 5.0, FREE),
@@ -212,7 +212,7 @@ def test_modes_are_all_different():
     module = started("plain", SCENES["bevel"], omega1=0.0, journal_friction=0.1)
     x = module.state
     x.omega1 = x.omega2 = x.omega3 = 0.0
-    module.derived.turning = 1.0  # springs and engagement angles are considered
+    module.derived.turning = 1.0  # Springs and engagement angles are active.
     modes = set()
     for number in range(N_MODES):
         set_mode(module.derived, x, number)
@@ -223,12 +223,12 @@ def test_modes_are_all_different():
 @pytest.mark.parametrize(
     ("state", "torque", "speed", "slip_torque", "backlash", "violation"),
     [
-        (states.OVERRUNNING, 0.0, 0.0, -3.0, 0.0, 3.0),  # the slip would become negative
+        (states.OVERRUNNING, 0.0, 0.0, -3.0, 0.0, 3.0),  # The slip would become negative.
         (states.OVERRUNNING, 0.0, 1.0, -3.0, 0.0, 0.0),
         (states.LOCKED, 4.0, 0.0, 0.0, 0.0, -4.5),
-        (states.LOCKED, -2.0, 0.0, 0.0, 0.0, 1.5),  # it pulls with more than its drag
-        (states.LOCKED, 2.0, 0.0, 0.0, 0.1, 2.0),  # inside the engagement angle only the drag can hold it
-        (states.IN_BACKLASH, 0.0, 0.0, 3.0, 0.1, 3.0),  # it would rotate forward
+        (states.LOCKED, -2.0, 0.0, 0.0, 0.0, 1.5),  # The freewheel pulls with more than its drag.
+        (states.LOCKED, 2.0, 0.0, 0.0, 0.1, 2.0),  # Inside the engagement angle only the drag can hold it.
+        (states.IN_BACKLASH, 0.0, 0.0, 3.0, 0.1, 3.0),  # Link 2 would rotate forward.
     ],
 )
 def test_violation_of_a_freewheel_with_a_drag_of_half_a_newton_metre(

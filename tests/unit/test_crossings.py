@@ -1,4 +1,4 @@
-"""Hard crossings: two in a step, dips, grazing, rounding at rest, thousands in one communication step."""
+"""Test difficult crossings: two per step, dips, grazing, rounding at rest, thousands in one step."""
 
 import itertools
 import math
@@ -14,13 +14,13 @@ from inertia_module.kernel.events.error import error_norm, write_scales
 
 
 def first_pulse(compiled, scene, speed, tolerance=1e-10):
-    """The unloaded shaft at this speed while link 2 makes its first pulse."""
+    """Return the unloaded shaft at this speed, during the first pulse of link 2."""
     quiet = {"load_torque": 0.0, "drive_angle_start": 0.5, "omega_out_start": speed}
     return advanced(started(compiled, scene, quiet, tolerance=tolerance), 0.045)
 
 
 def test_pulse_tangent_to_the_shaft_speed_is_located(compiled, scene):
-    # the speed of the shaft that it just reaches, to the last bit
+    # The shaft speed that link 2 reaches exactly, to the last bit.
     touched, missed = 0.0, 1e3
     while touched < 0.5 * (touched + missed) < missed:
         speed = 0.5 * (touched + missed)

@@ -1,4 +1,4 @@
-"""Published driving cycles against the totals of their regulations; the tolerance; a cycle of one's own."""
+"""Test published driving cycles against their regulations, the tolerance, and cycles from files."""
 
 import itertools
 
@@ -24,7 +24,7 @@ MILE = 3600.0 * MILE_PER_HOUR
 
 
 def length(cycle, begin=0.0, end=np.inf):
-    """Distance between two breakpoints, m."""
+    """Return the distance between two breakpoints, m."""
     inside = (cycle.time >= begin) & (cycle.time <= end)
     return np.trapezoid(cycle.speed[inside], cycle.time[inside])
 
@@ -51,12 +51,12 @@ def test_a_published_cycle_has_the_totals_of_its_regulation(
     assert cycle.speed.max() / unit == pytest.approx(maximum)
     assert cycle.speed_tolerance == 2.0 * unit
     assert length(cycle) == pytest.approx(distance, abs=tolerance)
-    # a car can drive it
+    # A car can follow the cycle.
     assert np.abs(np.diff(cycle.speed) / np.diff(cycle.time)).max() < 1.7
 
 
 def test_phases_of_the_wltc_have_the_lengths_and_the_checksums_of_the_regulation():
-    """UN GTR No. 15: the length of each phase, m, and the sum of its speeds, km/h, second by second."""
+    """UN GTR No. 15 gives the length of each phase, m, and the sum of its speeds per second, km/h."""
     ends = [0.0, 589.0, 1022.0, 1477.0, 1800.0]
     lengths = [length(WLTC_3B, *phase) for phase in itertools.pairwise(ends)]
     assert lengths == pytest.approx([3095.0, 4756.0, 7162.0, 8254.0], abs=0.5)
@@ -111,13 +111,13 @@ def test_tolerance_band_agrees_with_brute_force(cycle):
         assert lower[n] == pytest.approx(max(near.min() - cycle.speed_tolerance, 0.0), abs=1e-12)
 
 
-# --- how well a car follows ---
+# --- tracking error of a car ---
 
 RAMP = Cycle("ramp.csv", np.array([0.0, 10.0, 20.0]), np.array([0.0, 20.0, 20.0]))
 
 
 def driven(speed, cycle=RAMP):
-    """A table of a car that has these speeds, every 0.1 s."""
+    """Return a table of a car with these speeds every 0.1 s."""
     time = 0.1 * np.arange(len(speed))
     return car(speed, time, reference=cycle.speed_at(time))
 
@@ -146,7 +146,7 @@ def test_the_remark_names_the_first_and_the_farthest_time():
     speed[110:130] -= 1.0
     speed[150:] += 2.0
     speed[170] += 1.0
-    speed[140] += 9.0  # shorter than a second
+    speed[140] += 9.0  # This error is shorter than a second.
     assert cycle_remarks(driven(speed), RAMP)["vehicle_speed"] == (
         "does not follow ramp.csv: out of tolerance for more than 1 s at a time (2 times, first at 11 s);"
         " largest deviation 10.8 km/h too fast at 17 s"

@@ -1,6 +1,6 @@
-"""DrivenShaft against many digits, at ordinary and extreme parameters; jumps, limits, steps, energies.
+"""Test DrivenShaft with multiple precision, at ordinary and extreme parameters.
 
-Another way: the exponential of its matrix, and integrals of quadratic forms for energies.
+The exact solution uses the matrix exponential, and integrals of quadratic forms for the energies.
 """
 
 import math
@@ -12,7 +12,7 @@ from differences import assert_rates
 
 from inertia_module.model import DrivenShaft
 
-# J4, c, d, f: limits of the ranges, and ordinary shafts in each damping regime
+# J4, c, d, f: limits of the ranges, and ordinary shafts in each damping regime.
 SHAFTS = {
     "undamped": (0.5, 400.0, 0.0, 0.0),
     "underdamped": (0.5, 400.0, 0.05, 0.1),
@@ -34,9 +34,9 @@ ENERGIES = ("energy_in", "energy_out", "energy_lost")
 
 
 def flow_of(linear, forms, h):
-    """exp(linear h), and of each form M the integral of exp(linear t)' M exp(linear t) over h.
+    """Return exp(linear h), and for each form M the integral of exp(linear t)' M exp(linear t) over h.
 
-    By their Taylor series over a part of h so short that 20 terms have all digits, doubled.
+    Scaling and squaring: the Taylor series over a short part of h has all digits with 20 terms.
     """
     doublings = max(0, math.ceil(mpmath.log(h * abs(linear).max(), 2)) + 20)
     part = h / 2**doublings
@@ -55,10 +55,10 @@ def flow_of(linear, forms, h):
 
 
 def exact(J, c, d, f, beta, hub, slope, load, twist, omega4, h):
-    """Everything at the end of a step of constant slope, by name; no jump at its beginning."""
+    """Return all results at the end of a step of constant slope by name, without an initial jump."""
     with mpmath.workdps(100):
         J, c, d, f, beta, hub, slope, load, h = map(mpmath.mpf, (J, c, d, f, beta, hub, slope, load, h))
-        # rows over the linear state: twist, speed of the driven mass, time, one
+        # Rows over the linear state: twist, speed of the driven mass, time, constant 1.
         speed, hub_speed, unit = [0, 1, 0, 0], [0, 0, slope, hub], [0, 0, 0, 1]
         slip, torque = [0, -1, slope, hub], [c, -d, d * slope, d * hub]
         rate = [c / J, -(d + f) / J, d * slope / J, (d * hub - load) / J + beta * slope]
@@ -82,7 +82,7 @@ def exact(J, c, d, f, beta, hub, slope, load, twist, omega4, h):
 
 
 def made(kernel, shaft, **values):
-    """One of SHAFTS, started."""
+    """Return one of SHAFTS, started."""
     names = ("driven_inertia", "shaft_stiffness", "shaft_damping", "driven_friction")
     return DrivenShaft(kernel).start(**dict(zip(names, SHAFTS[shaft], strict=True)), **values)
 
@@ -92,9 +92,9 @@ def made(kernel, shaft, **values):
 def test_motion_torque_and_energies_are_exact(compiled, shaft, h):
     J, c, d, f = SHAFTS[shaft]
     if math.sqrt(c / J) * h > 1e6 and d + f < 1e-3 * math.sqrt(c * J):
-        h = 1e6 * math.sqrt(J / c)  # beyond, doubles do not know the phase
+        h = 1e6 * math.sqrt(J / c)  # A double cannot represent the phase beyond this.
     beta, hub, slope, load = 0.4, 30.0, 7.0, 12.0
-    # a step of 1 s at constant speed sets the slope; its end and the jump after it are the start
+    # A step of 1 s at constant speed sets the slope. The start is its end with the following jump.
     inputs = {"balancer": beta, "input_hold": 1, "hub_speed": hub - slope, "load_torque": load}
     model = made(compiled, shaft, **inputs, omega_out_start=29.0, twist_start=0.01)
     model.advance(1.0)
@@ -107,7 +107,7 @@ def test_motion_torque_and_energies_are_exact(compiled, shaft, h):
     for name, earlier, jump in zip(ENERGIES, before, (0.0, 0.0, pushed), strict=True):
         actual[name] -= earlier + jump
     phase = 1.0 + math.sqrt(c / J) * h * (d + f < 2.0 * math.sqrt(c * J))
-    # each is right to rounding of the largest it is made of: of its kind over this and the step before
+    # Errors are at rounding level of the largest value of the same kind in this or the previous step.
     speed = max(30.0 + 7.0 * h, abs(actual["omega_out"]))
     torque = max(abs(c * actual["twist"]), *(abs(actual[name]) for name in TORQUES), 12.0 + J)
     energy = max(
@@ -128,7 +128,7 @@ def test_motion_torque_and_energies_are_exact(compiled, shaft, h):
 
 @pytest.mark.parametrize("h", [1e-9, 5e-4, 0.1])
 def test_a_ramp_from_rest_is_exact_in_all_it_begins_with(compiled, h):
-    """The loss by friction of the first twist is not hidden by larger energies."""
+    """Larger energies do not hide the friction loss of the first twist."""
     shaft = {"driven_inertia": 0.5, "shaft_stiffness": 400.0, "shaft_damping": 0.0, "driven_friction": 20.0}
     model = DrivenShaft(compiled).start(**shaft)
     model.set_rates(hub_speed=7.0)
@@ -139,7 +139,7 @@ def test_a_ramp_from_rest_is_exact_in_all_it_begins_with(compiled, h):
 
 @pytest.mark.parametrize("damping", [0.05, 10.0, 300.0])
 def test_twist_and_torque_keep_their_digits_after_the_hub_ran_to_a_huge_speed_and_back(compiled, damping):
-    """Balanced in full, the driven mass runs along: what is left between two huge speeds is small."""
+    """The fully balanced driven mass follows; the difference of two huge speeds is small."""
     shaft = DrivenShaft(compiled).start(shaft_damping=damping, balancer=1.0, input_hold=1)
     shaft.advance(2.0**-17)
     with mpmath.workdps(60):
@@ -186,7 +186,7 @@ def test_many_tiny_steps_equal_a_long_step(compiled, shaft, steps):
     short, mean = end(steps)
     inertia, stiffness, _, _ = SHAFTS[shaft]
     phase = 1.0 + 0.125 * math.sqrt(stiffness / inertia)
-    # doubles know a swing to rounding of its phase
+    # The phase of the oscillation has a rounding error.
     close = 1e-13 + 4e-16 * phase
     peak = stiffness * max(abs(long["twist"]), 1e-3)
     assert short["omega_out"] == pytest.approx(long["omega_out"], abs=close * 30.0 * max(1.0, phase))

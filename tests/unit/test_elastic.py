@@ -1,4 +1,4 @@
-"""Fidelity `elastic`: hub, shaft and driven mass behind the output freewheel; any stiffness, any damping."""
+"""Test fidelity `elastic`: hub, shaft and driven mass behind the output freewheel, for all dampings."""
 
 import itertools
 import math
@@ -11,7 +11,7 @@ from inertia_module.kernel.links import slowest_rate
 
 
 def damping(stiffness, share, hub=0.02, driven=0.5):
-    """Damping that is this share of the critical one, N m s/rad."""
+    """Return the damping for this fraction of critical damping, N m s/rad."""
     return 2.0 * share * math.sqrt(stiffness / (1.0 / hub + 1.0 / driven))
 
 
@@ -24,12 +24,12 @@ def test_slowest_rate_is_the_slowest_eigenvalue(share):
 
 
 def test_a_shaft_far_stiffer_than_the_pulses_is_rigid(compiled, scene):
-    """The rule of kernel.parameters.derive_shaft: one body, and the twist is torque over stiffness."""
+    """See kernel.parameters.derive_shaft: a single body, and the twist is torque over stiffness."""
     shaft = {"fidelity": 3, "shaft_stiffness": 1e8, "output_inertia": 0.5, "driven_friction": 0.01}
     light, heavy = ({**shaft, "driven_inertia": inertia} for inertia in (9e-5, 1.1e-4))
     assert started("plain", scene, light).derived.rigid_shaft == 1.0
     assert started("plain", scene, heavy).derived.rigid_shaft == 0.0
-    assert started("plain", scene, light, shaft_damping=1e3).derived.rigid_shaft == 0.0  # slow, as overdamped
+    assert started("plain", scene, light, shaft_damping=1e3).derived.rigid_shaft == 0.0  # overdamped and slow
     module = advanced(started(compiled, scene, light), *[0.01] * 20)
     whole = started(compiled, scene, output_inertia=0.5 + 9e-5, output_friction=0.01)
     advanced(whole, *[0.01] * 20)
@@ -53,7 +53,7 @@ def test_energies_of_a_rigid_shaft_balance_with_its_balancer(compiled, balancer)
 def test_the_work_of_the_balancer_is_in_the_audit(compiled, balancer):
     module = started(compiled, REFERENCE, ELASTIC, balancer=balancer, tolerance=1e-9)
     for n in range(30):
-        advanced(module, 0.01, omega1=100.0 + 20.0 * (n % 2))  # jumps pass through it as well
+        advanced(module, 0.01, omega1=100.0 + 20.0 * (n % 2))  # Include jumps of the input.
         assert abs(module["energy_residual"]) < 1e-6 * module["energy_in"]
 
 
@@ -73,7 +73,7 @@ def test_light_ends_of_the_shaft_are_finite(compiled, light, inertia, share):
 @pytest.mark.parametrize("stiffness", [40.0, 400.0, 1e4, 1e7])
 @pytest.mark.parametrize("hub", [1e-4, 1e-3, 0.1])
 def test_the_twist_of_a_shaft_pulled_by_its_load_follows_tolerance(compiled, drag, stiffness, hub):
-    """A shaft between free masses, the driven one of 1 kg m^2, 0.1 s after a load pulls there from rest."""
+    """The load pulls a driven mass of 1 kg m^2 from rest for 0.1 s; both masses are free."""
     shaft = {
         "output_inertia": hub,
         "driven_inertia": 1.0,
@@ -87,7 +87,7 @@ def test_the_twist_of_a_shaft_pulled_by_its_load_follows_tolerance(compiled, dra
     for tolerance, steps in itertools.product((1e-4, 1e-6, 1e-8), (1, 10)):
         module = started(compiled, ELASTIC, shaft, load_torque=-10.0, tolerance=tolerance)
         advanced(module, *[0.1 / steps] * steps)
-        # an oscillation is known to its phase, a twist to the output speed over the natural frequency
+        # Oscillations have errors of phase. Errors of the twist scale with output speed over frequency.
         rate = abs(slow) if drag < 100.0 else math.sqrt(stiffness * mobility)
         scale = max(abs(twist) if drag == 100.0 else 0.0, module["omega_out"] / rate)
         assert abs(module["shaft_twist"] - twist) <= 30.0 * tolerance * scale

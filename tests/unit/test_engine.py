@@ -57,7 +57,7 @@ def test_governor_holds_the_speed_against_a_load_without_error():
 
 def test_torque_keeps_within_the_map_and_the_integral_does_not_wind_up():
     assert MAP.limits(100.0) == (-10.0, 150.0)
-    assert MAP.limits(0.0) == (0.0, 80.0)  # at rest nothing drags
+    assert MAP.limits(0.0) == (0.0, 80.0)  # At rest there is no drag.
     tested = engine(Governor(4.0, 20.0), reference=290.0)
     for _ in range(300):
         tested.state = tested.after(0.01, 200.0 if tested.speed > 100.0 else 0.0)
@@ -66,7 +66,7 @@ def test_torque_keeps_within_the_map_and_the_integral_does_not_wind_up():
     assert abs(tested.state.integral) < 4.0 * 290.0 + 150.0
     tested.reference = 50.0
     tested.state = tested.after(0.01, 0.0)
-    assert tested.state.torque < 0.0  # it drags at once
+    assert tested.state.torque < 0.0  # The drag acts at once.
 
 
 def test_engine_continues_from_a_restored_state():

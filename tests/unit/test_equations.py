@@ -1,4 +1,4 @@
-"""Equations of motion at an instant: the mass matrix, the signs of the mesh torques, the balance of power."""
+"""Test equations of motion at an instant: mass matrix, signs of the mesh torques, power balance."""
 
 import random
 
@@ -128,7 +128,7 @@ def test_mesh_signs_agree_with_the_torques(chance, satellites, drive):
         terms = list(m.spun_by[:satellites])
         assert all(term >= 0.0 for term in terms) or satellites == 1
         assert sum(terms) == pytest.approx(m.spun, rel=1e-12)
-        # with these signs fixed the solution is the same
+        # With these fixed signs the solution is the same.
         alpha1, alpha2, prescribed = m.alpha1, m.alpha2, m.drive if d.by_torque else m.alpha1
         evaluate(d, x, prescribed, x.load_torque, True)
         assert (m.alpha1, m.alpha2) == pytest.approx((alpha1, alpha2), rel=1e-9)

@@ -1,4 +1,4 @@
-"""Event location: known roots of indicators on the dense output and by the equations of motion."""
+"""Test event location: known roots of indicators on the dense output and by the equations of motion."""
 
 import math
 
@@ -14,7 +14,7 @@ H = 0.1
 
 
 def step_of(rate, start, which=guards.HOUSING):
-    """Constants, state and workspace of a step H in which a freewheel has this slip, by its rate."""
+    """Return constants, state and workspace of a step H; `slip` is the slip of a freewheel by its rate."""
     module = started("plain", SCENES["bevel"], omega2_start=5.0, omega_out_start=10.0)
     w = record_type(WORKSPACE)()
     w.step, w.pair = H, tableau.DOP853_ROW

@@ -1,4 +1,4 @@
-"""Values far off: nothing hangs, raises or loses energy; heavy masses and slow inputs keep their digits."""
+"""Test extreme values: no hang, exception or energy gain; heavy masses and slow inputs keep their digits."""
 
 import math
 
@@ -22,7 +22,7 @@ def driven(request):
 
 
 def audited(module, *steps, **inputs):
-    """The module after these steps, the audit of each closed to a share that goes with the tolerance."""
+    """Return the module after these steps; the energy balance of each closes within the tolerance."""
     module.set(**inputs)
     heavy = module["energy_stored"]
     for step in steps:
@@ -51,7 +51,7 @@ def test_engine_load_tolerance_and_step_may_be_far_off(driven, values):
     for freewheels in FREEWHEELS.values():
         module = audited(started("auto", driven, freewheels, values), *(1e-9,) * 10, 1e-6, 1e-4, 1e-3)
         assert module["input_speed"] != 0.0
-        if values != {"load_torque": 1e7}:  # which runs away with the shaft
+        if values != {"load_torque": 1e7}:  # This load accelerates the shaft without limit.
             audited(started("auto", driven, freewheels, values), 0.01, 0.05)
 
 
@@ -84,7 +84,7 @@ def test_torque_equal_to_the_load_at_standstill(driven, freewheels, off, angle):
 
 @pytest.mark.parametrize("mass", [1e4, 1e5])
 def test_spike_of_link_2_at_a_cusp_is_not_stepped_over(compiled, mass):
-    # J2 is down to 5e-6 of the inertia of the imbalance: where that rests, link 2 darts
+    # J2 is 5e-6 of the inertia of the imbalance. Link 2 moves fast while the imbalance rests.
     values = {"omega1": 100.0, "load_torque": 10.0, "imbalance_mass": mass}
     tight = advanced(started(compiled, values, tolerance=1e-12), *[1e-3] * 1000)
     for tolerance in (1e-5, 1e-6, 1e-8):
@@ -95,7 +95,7 @@ def test_spike_of_link_2_at_a_cusp_is_not_stepped_over(compiled, mass):
 
 @pytest.mark.parametrize("power", [-10, -100])
 def test_input_scales_exactly(compiled, power):
-    # powers of two change no bit of a mantissa; steps may be no longer than 1e6 s, so speeds meet half way
+    # Powers of two change no bit of a mantissa. Steps are limited to 1e6 s, so speeds scale half the way.
     speed = 2.0**power
     ordinary = started(compiled, omega1=1.0, load_torque=0.0, drive_angle_start=0.3)
     slow = started(compiled, omega1=speed, load_torque=0.0, drive_angle_start=0.3)
@@ -105,7 +105,7 @@ def test_input_scales_exactly(compiled, power):
 
 @pytest.mark.parametrize("fidelity", [0, 2])
 def test_work_of_a_step_is_bounded_and_an_abandoned_step_has_no_effect(monkeypatch, fidelity):
-    # in plain Python with a low limit; tests/fmu tests the limit of the compiled kernel
+    # Plain Python with a low limit; tests/fmu tests the limit of the compiled kernel.
     assert engine.MAX_EVALUATIONS == 5e7
     monkeypatch.setattr(engine, "MAX_EVALUATIONS", 1e4)
     module = advanced(started("plain", fidelity=fidelity, omega1=1e5, load_torque=1e7), 1e-3)

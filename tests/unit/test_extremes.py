@@ -1,4 +1,4 @@
-"""All bounds hold at the extremes except for known limits, as stability.csv documents."""
+"""Test that all bounds hold at the extremes, except for the known limits in stability.csv."""
 
 import re
 import tomllib
@@ -29,7 +29,7 @@ class Limit(NamedTuple):
         return all(re.fullmatch(pattern, text) for pattern, text in zip(self, names, strict=False))
 
 
-# known limits: cases that must be rejected, and bounds that may be violated
+# Known limits: cases that must be rejected, and bounds that may be violated
 TABLE = tomllib.loads(Path(__file__).with_name("extremes.toml").read_text(encoding="utf-8"))
 LIMITS = [Limit(*names, rejection=words) for *names, words in TABLE["cases"]["refused"]]
 LIMITS += [
@@ -43,7 +43,7 @@ def place(row):
     return row.axis, row.value, row.layout
 
 
-# cases of an extreme on one layout at all fidelity levels
+# Cases of an extreme on one layout at all fidelity levels
 EXTREMES = {}
 for case in chosen_cases():
     EXTREMES.setdefault(place(case), []).append(case)

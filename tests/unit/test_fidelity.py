@@ -96,20 +96,20 @@ def test_driven_mass_is_rigid_with_the_hub_at_level_rigid():
 @pytest.mark.parametrize(
     "name, values, exact, window, expected",
     [
-        # averages of windows, not instantaneous values
+        # Averages of windows, not instantaneous values.
         ("omega_out", (2.0, 2.0, 0.0, 0.0), (0.0, 0.0, 2.0, 2.0), 0.4, 0.0),
         ("omega_out", (2.0, 2.0, 0.0, 0.0), (0.0, 0.0, 2.0, 2.0), 0.2, 1.0),
         # RMS of a pulsing output
         ("output_torque", (1.0, 1.0), (3.0, -1.0), 0.2, (math.sqrt(5.0) - 1.0) / 3.0),
         ("output_torque_mean", (1.0, 1.0), (3.0, -1.0), 0.2, 0.0),
-        # energies relative to the input energy; evaluations measure cost, not accuracy
+        # Energies are relative to the input energy; evaluations measure cost, not accuracy.
         ("energy_residual", (0.5, 0.5), (0.0, 0.0), 0.2, 0.01),
         ("rhs_evaluations", (9.0, 9.0), (1.0, 1.0), 0.2, 0.0),
     ],
 )
 def test_errors_are_maximum_differences_over_windows(name, values, exact, window, expected):
     def record(steps):
-        values = np.concatenate([[0.0], np.tile(steps, 5)])  # start value, then the steps repeated
+        values = np.concatenate([[0.0], np.tile(steps, 5)])  # The start value, then the repeated steps.
         time = np.arange(values.size) * 0.1
         columns = {"time": time, "energy_in": np.full(values.size, 50.0), name: values}
         return Result.from_columns({**columns, "omega2": values})
@@ -218,13 +218,13 @@ ROWS = [AVERAGED, COARSE, FINE, LOOSE, TIGHT, ELASTIC, BROKEN, PEER]
     [
         (1e-2, ["omega_out"], AVERAGED),
         (1e-2, ["omega_out", "omega2"], FINE),
-        # error equal to the limit
+        # The error equals the limit.
         (4e-3, ["omega_out"], AVERAGED),
         (2e-3, ["omega_out"], FINE),
         (1e-3, ["omega_out"], LOOSE),
         (1e-6, ["omega_out"], TIGHT),
         (0.5, ["omega2"], COARSE),
-        # never a peer
+        # Peers are never recommended.
         (1.0, ["omega_out"], AVERAGED),
     ],
 )
@@ -266,7 +266,7 @@ def test_choice_prints_reasons_and_the_cost_of_the_next_level():
             "no fidelity level reaches error = 1e-12 in omega_out; best: .* error 1e-09",
         ),
         ([TIGHT], 1.0, "energy_in", "no reference for energy_in"),
-        # outputs that are not modelled come before outputs without a reference
+        # Outputs that are not modelled precede outputs without a reference.
         ([TIGHT], 1.0, "energy_in shaft_twist", "it has no elastic shaft"),
         ([PEER], 1.0, "omega_out", "no level was measured"),
     ],

@@ -85,7 +85,7 @@ def test_profile_of_a_curved_model_is_its_likelihood():
     expected = brentq(excess, 0.1 * rate, rate), brentq(excess, rate, 5.0 * rate)
     ends = [profile_end(optimum, 1, side).value for side in (-1, 1)]
     assert ends == pytest.approx(expected, rel=0.02)
-    # a symmetric interval would be wrong
+    # A symmetric interval would be wrong.
     assert ends[1] - rate > 1.05 * (rate - ends[0])
 
 
@@ -145,7 +145,7 @@ def test_collinearity_index_of_a_replaceable_key():
 
     optimum = problem(model, [key("mean", 2.0)], model(2.0) + noise(6)).minimise(np.array([2.0]))
     assert collinearity(optimum, released(optimum, key("same", 1.0, size=0.01))) > 1e3
-    # of a constant and a ramp, 2
+    # The index of a constant and a ramp is 2.
     assert collinearity(optimum, released(optimum, key("slope", 0.0, size=0.01))) == pytest.approx(
         2.0, rel=0.01
     )

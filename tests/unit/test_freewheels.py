@@ -1,4 +1,4 @@
-"""Test locking, slip, rest and motion at the freewheels (test_motions.py tests that none pulls)."""
+"""Test locking, slip, rest and motion at the freewheels (test_motions.py tests their signs)."""
 
 from itertools import product
 
@@ -7,7 +7,7 @@ from scenes import FREEWHEELS, advanced, motions, passed, started
 
 AT_REST = {"omega1": 0.0, "drive_torque": 0.0, "max_step": 0.0}
 HELD, FREE, DRIVING, HELD_DRIVING = range(4)
-# contact mode of a mechanism at rest under a load that pulls, none, and one that brakes
+# Contact mode of a mechanism at rest under a pulling, zero and braking load.
 MODES_AT_REST = {
     "both freewheels": (HELD, HELD_DRIVING, HELD_DRIVING),
     "no housing freewheel": (FREE, FREE, DRIVING),
@@ -27,7 +27,7 @@ def test_standstill_stays_with_a_load_and_without(compiled, scene):
         module = advanced(started(compiled, scene, AT_REST, load_torque=load), step, step)
         assert [module[name] for name in DEAD] == [0.0] * len(DEAD)
         assert module["contact_switches"] == 0
-        if module["fidelity"] != 3:  # an elastic shaft takes up the load
+        if module["fidelity"] != 3:  # An elastic shaft carries the load.
             assert module["omega_out"] == module["energy_out"] == module["energy_stored"] == 0.0
             assert module["output_torque"] == module["housing_torque"] == load
             assert module["output_torque_mean"] == load
@@ -48,7 +48,7 @@ def test_mode_at_rest_is_the_same_by_all_methods_and_stays(compiled, scene):
 
 @ideal
 def test_link_2_pushed_backwards_without_load_stays_held_with_the_shaft(compiled, scene):
-    # pulses of the bevel layout end at half a turn; pulses of the planar layout start there
+    # Pulses of the bevel layout end at half a turn; pulses of the planar layout start there.
     angle = 3.13 if scene.get("layout") else 3.15
     module = started(compiled, scene, drive_angle_start=angle, load_torque=0.0, drive_torque=0.0)
     for _ in range(20):
@@ -107,7 +107,7 @@ def test_duty_of_the_freewheels_agrees_with_short_steps(compiled, scene):
         housing_slip = max(housing_slip, module["omega2"])
         output_slip = max(output_slip, module["omega_hub"] - module["omega2"])
     for name, number in counts.items():
-        # two switches within a step of the record are not seen in it
+        # The record does not show two switches within one of its steps.
         assert number <= whole[f"{name}_engagements"] <= number + 2
     assert whole["housing_torque_peak"] == pytest.approx(torque, rel=0.02, abs=1e-9)
     assert whole["housing_slip_peak"] == pytest.approx(housing_slip * there["housing"], rel=0.01)

@@ -1,4 +1,4 @@
-"""Reduced inertia and geometry of the kernel: closed sums, derivatives, special cases by hand."""
+"""Test reduced inertia and geometry of the kernel: closed sums, derivatives, special cases by hand."""
 
 import math
 

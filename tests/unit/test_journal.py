@@ -1,4 +1,4 @@
-"""Results as they come, kept through kills, and their tables."""
+"""Test journals of results that survive a killed process, and their tables."""
 
 import csv
 import math

@@ -1,4 +1,4 @@
-"""Importers write names of an FMU into other languages, where none may be a reserved word."""
+"""Test that no name in an FMU is a reserved word of a language into which importers translate names."""
 
 import keyword
 import tomllib

@@ -1,4 +1,4 @@
-"""Which level of fidelity has which losses is as losses.md tells."""
+"""Test that losses.md lists the losses of each level of fidelity."""
 
 import csv
 import re
@@ -21,7 +21,7 @@ SIZES |= {"shaft_damping": 1.0, "driven_friction": 0.1, "windage": 1e-4}
 
 
 def told():
-    """The table: what is told of each parameter, by name of the level."""
+    """Return the table: the statement about each parameter, by name of the level."""
     lines = PAGE.read_text().partition("| parameter | ")[2].partition("\n\n")[0].splitlines()
     levels = [head.strip() for head in lines[0].strip("| ").split(" | ")]
     table = {}
@@ -32,7 +32,7 @@ def told():
 
 
 def ends(level, by_torque, **losses):
-    """Energies, mean torque and speed after half a second."""
+    """Return energies, mean torque and speed after half a second."""
     drive = {"drive": DRIVE_TORQUE, "drive_torque": 20.0} if by_torque else {}
     values = {**MACHINE, **level.values, **drive, **losses}
     module = Module().start(**values, omega1=100.0, load_torque=10.0)
@@ -42,7 +42,7 @@ def ends(level, by_torque, **losses):
 
 
 def found(level, name, by_torque=False):
-    """Effect of a parameter at a level: yes, no or rejected."""
+    """Return the effect of a parameter at a level: yes, no or rejected."""
     try:
         changed = ends(level, by_torque, **{name: SIZES[name]}) != ends(level, by_torque)
     except InertiaModuleError as error:
@@ -65,7 +65,7 @@ def test_levels_have_the_losses_of_the_page(level):
             assert found(level, name, by_torque=True) == cell, name
 
 
-# --- what gravity and the satellites' inertia change: page, table and module say the same ---
+# --- effects of gravity and satellite inertia: page, table and module agree ---
 
 
 DOCS = Path(__file__).parents[2] / "docs"

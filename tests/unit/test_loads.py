@@ -1,4 +1,4 @@
-"""Forces of the imbalances on mount and bearing; accelerations; means and peaks over a step, with a jump."""
+"""Test forces of the imbalances on mount and bearing, accelerations, and means and peaks over a step."""
 
 import pytest
 from scenes import SCENES, TWO_PI, advanced, motions, started
@@ -83,10 +83,10 @@ def test_means_and_peak_agree_with_instantaneous_torques(compiled, scene):
         peak = max(peak, abs(many["output_torque"]))
     turned = means.pop("omega_out") * duration
     if scene.get("drive"):
-        means.pop("input_torque")  # it is the drive torque
+        means.pop("input_torque")  # The input torque is the drive torque.
     for name, mean in means.items():
         assert single[f"{name}_mean"] == pytest.approx(mean, abs=2e-3 * largest), name
-    # the mean motion is integrated to 1e-4 of the largest speed
+    # The error of the mean motion is 1e-4 of the largest speed.
     error = {"rel": 2e-3 if single["fidelity"] == 1 else 1e-3, "abs": 1e-5}
     assert single["output_angle"] + TWO_PI * single["output_turns"] == pytest.approx(turned, **error)
     assert single["output_flange_angle"] == pytest.approx(turned, **error)
@@ -94,7 +94,7 @@ def test_means_and_peak_agree_with_instantaneous_torques(compiled, scene):
     if single["fidelity"] != 1:
         ripple = max(0.0, squares - single["output_torque_mean"] ** 2) ** 0.5
         assert single["torque_ripple"] == pytest.approx(ripple, rel=2e-3)
-        # looked at in the stages of the steps alone
+        # Peaks are sampled only in the stages of the steps.
         assert 0.95 * peak <= single["torque_peak"] <= 1.001 * peak
 
 

@@ -19,7 +19,7 @@ LOCKED_UP = {"drive_angle_start": 3.0, "omega2_start": 100.0, "omega_out_start":
 
 @pytest.mark.parametrize("drive", [0, 1], ids=["by-speed", "by-torque"])
 def test_locked_up_machine_with_friction_stays_so(compiled, drive):
-    """At a speed ratio of one, under a load that friction holds, nothing slips or is lost for ever."""
+    """At a speed ratio of one, under a load that friction holds, slip and losses are zero."""
     engine = {"drive": drive, "input_inertia": 0.2, "drive_torque": 1.0, "load_torque": 1.0}
     locked = {**scenes.SCENES["bevel"], **LOCKED_UP, "journal_friction": 1.0}
     for angle, step in product((1.5, 3.0), (1e-4, 0.01, 1.0)):
@@ -36,8 +36,8 @@ def test_locked_up_machine_with_friction_stays_so(compiled, drive):
 
 @pytest.mark.parametrize("ratio", [0.4, 1.3, -0.3])
 def test_kinematic_motion_agrees_with_a_shaft_of_huge_inertia(compiled, scene, ratio):
-    """The rigid module, which the reference judges, behind an output of great inertia, without freewheels."""
-    # friction of the shaft belongs to the load
+    """Compare with the rigid module without freewheels behind a large output inertia."""
+    # The friction of the shaft belongs to the load.
     more = {"windage": 1e-4, "satellites": 1, "output_friction": 0.0, **scenes.FREEWHEELS["no freewheel"]}
     values, speed = scene | scenes.ALL_LOSSES | scenes.GEARS | more, ratio * scene["omega1"]
     prescribed = started(compiled, values, fidelity=0, kinematic_ratio=ratio)
@@ -83,7 +83,7 @@ def test_compliant_freewheel_never_pulls(compiled, scene, wheel):
         assert speeds[:2] == pytest.approx([speeds[2]] * 2, abs=2e-3 * scene["omega1"]), (stiffness, damping)
 
 
-# outputs without meaning if a freewheel is missing
+# Outputs without meaning if a freewheel is missing.
 NOT_THERE = {
     "housing_freewheel": ("housing_drag", "housing_drag_viscous", "housing_stiffness", "housing_damping"),
     "output_freewheel": (
@@ -96,7 +96,7 @@ NOT_THERE = {
 @motions(levels=("rigid", "elastic"), added=("ideal", "losses"))
 @pytest.mark.parametrize("value", [1e-3, 1e6])
 def test_outputs_without_meaning_are_not_modelled(compiled, scene, value):
-    """Damping without a spring, and all of a freewheel that is not there: at the start, tuned, restored."""
+    """Damping without a spring and parameters of a missing freewheel: at the start, tuned, restored."""
     names = ["housing_damping", "freewheel_damping"]
     for freewheel, others in NOT_THERE.items():
         names += () if scene.get(freewheel, True) else others
@@ -110,7 +110,7 @@ def test_outputs_without_meaning_are_not_modelled(compiled, scene, value):
         first = advanced(started(compiled, scene, here, scenes.LOSSES["mesh"]), *[5e-4] * 20)
         second = Module(compiled)
         second.restore(first.save())
-        # friction changes too, because a tuned parameter ends the step
+        # The friction also changes, because a tuned parameter ends the step.
         tuned = {name: later[name] for name in names if BY_NAME[name].is_tunable}
         advanced(second, *[5e-4] * 20, output_friction=1e-3, **tuned)
         ends.append([*first.state.numbers, *second.state.numbers])
@@ -118,7 +118,7 @@ def test_outputs_without_meaning_are_not_modelled(compiled, scene, value):
 
 
 def test_jump_after_many_short_steps_of_a_freewheel_at_its_limit(compiled):
-    """A random motion in which omega2 fell below zero by rounding step by step, and then omega1 jumped."""
+    """In this random motion rounding moved omega2 below zero step by step before omega1 jumped."""
     output = {"output_inertia": 0.016992, "driven_inertia": 60.0, "shaft_stiffness": 10.0}
     scene = output | {"fidelity": 3, "imbalance_mass": 0.0, "link2_inertia": 9e-4, "shaft_damping": 0.02}
 
@@ -129,7 +129,7 @@ def test_jump_after_many_short_steps_of_a_freewheel_at_its_limit(compiled):
         assert module["omega2"] >= 0.0
         return advanced(module, 0.0075385, omega1=30.945, load_torque=-0.14931)
 
-    # 1e-4 of the tolerance
+    # This is 1e-4 of the tolerance.
     assert run(7)["omega_hub"] == pytest.approx(run(1)["omega_hub"], rel=1e-6, abs=1e-8)
 
 

@@ -15,7 +15,7 @@ from inertia_module.kernel.averaged import integrate, mean_motion
 
 @pytest.fixture(params=itertools.product([0, 1], [1.0, -1.0]), ids=str)
 def motion(request):
-    """(d, map, state) of a planar module with losses that slips, by speed or torque, in both directions."""
+    """Return (d, map, state) of a slipping planar module with losses, for both drives and directions."""
     drive, direction = request.param
     losses = {"link2_friction": 0.01, "output_drag": 0.2, "input_friction": 0.01, "output_friction": 0.01}
     module = started("plain", PLANAR, ENGINE, losses, drive=drive, fidelity=1, load_torque=3.0)
@@ -44,7 +44,7 @@ def test_mean_power_is_output_power_plus_stored_and_lost_power(motion):
         return links + 0.5 * d.J3 * omega3 * omega3
 
     assert_rates(drive * x.omega1 - x.load_torque * x.omega3 - lost, energy)
-    # friction of link 1 and the output is outside the mesh
+    # Friction of link 1 and the output is outside the mesh.
     outside = d.b1 * x.omega1**2 + d.b3 * x.omega3**2
     assert m.mesh * x.omega1 == pytest.approx(output * x.omega3 + lost - outside)
 
@@ -89,7 +89,7 @@ def test_stiff_linear_rate_is_damped(stiffness):
 
 def test_regime_ends_at_the_zero_of_its_indicator(compiled):
     module = started(compiled, PLANAR, fidelity=1, omega1=100.0, omega_out_start=120.0, load_torque=2.0)
-    # coasts without torque until it meets link 1
+    # Link 1 coasts without torque until the speeds are equal.
     time = 20.0 * PLANAR["output_inertia"] / 2.0
     module.advance(time * (1.0 - 1e-9))
     assert module["contact_mode"] == 1.0

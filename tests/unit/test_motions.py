@@ -1,4 +1,4 @@
-"""Invariants of motion, each over one table of scenes (scenes.motions)."""
+"""Test invariants of motion in all scenes of a table (scenes.motions)."""
 
 import math
 
@@ -16,7 +16,7 @@ COUNTERS = ("contact_switches", "rhs_evaluations")
 
 
 def led(module, steps):
-    """Lead a module through jumps, ramps and changes of the load; yields after each of these steps."""
+    """Apply jumps, ramps and load changes to a module; yield after each step."""
     speed, torque = module["omega1"], module["drive_torque"]
     for n, step in enumerate(steps):
         module.set(
@@ -29,14 +29,14 @@ def led(module, steps):
 
 
 def audit_bound(module):
-    """Most that the residual may be of the energies that passed."""
+    """Return the maximum residual relative to the transmitted energies."""
     return {0: 1e-11, 1: 1e-6}.get(module["fidelity"], 10.0 * module["tolerance"])
 
 
 def assert_freewheels_hold(module, tiny):
-    """That no freewheel pulls, and none slips that is closed, in a module without drag and wind-up.
+    """Check that no freewheel pulls and no closed freewheel slips, in a module without drag and wind-up.
 
-    Within its play one slips back.
+    A freewheel may slip back within its backlash.
     """
     house, clutch = module["housing_torque"], module["output_torque"]
     slip = module["omega_hub"] - module["omega2"]
@@ -81,7 +81,7 @@ def test_energies_balance_and_freewheels_only_push(compiled, scene):
 
 @motions()
 def test_many_steps_equal_a_single_step(compiled, scene):
-    """Steps of a ramp: angles, speeds, energies, switches, and means by their sums."""
+    """Compare angles, speeds, energies, switches, and means by their sums over the steps of a ramp."""
     ramp = {"omega1": 0.0 if scene.get("drive") else 300.0}
     single, many = (started(compiled, scene, tolerance=1e-10) for _ in range(2))
     single.set_rates(**ramp)
@@ -152,10 +152,10 @@ def test_outputs_evaluated_after_a_step_equal_a_whole_step(compiled, scene):
 @motions(levels=EVENTS)
 def test_error_follows_the_tolerance(compiled, scene):
     general = "mesh_efficiency" in scene
-    # no prescribed speed keeps the errors small
+    # A prescribed speed would keep the errors small.
     duration, most = 0.3 if scene.get("drive") or general else 1.0, 30.0 if general else 10.0
     if general and "output_engagement_angle" in scene:
-        most = 1e3  # springs bounce on their play
+        most = 1e3  # Springs bounce in the backlash.
 
     def end(tolerance):
         return advanced(started(compiled, scene, tolerance=tolerance), duration)
@@ -175,7 +175,7 @@ def test_error_follows_the_tolerance(compiled, scene):
 
 @motions(levels=("averaged", "rigid", "elastic"), added=("ideal",))
 def test_only_the_selected_drive_input_does_work(compiled, scene):
-    """The torque given to link 1, where the drive is by torque, not its speed; else the other way round."""
+    """The other drive input, speed or torque, has no effect."""
     first, second = (advanced(started(compiled, scene), 0.01) for _ in range(2))
     if scene.get("drive"):
         second.set(omega1=-3.0)
@@ -208,10 +208,10 @@ def test_torque_with_a_rate_counts_by_its_mean_over_the_step(compiled, layout):
     assert bytes(ramp.outputs) == bytes(mean.outputs)
 
 
-# --- losses of accuracy in very long runs and many tiny steps ---
+# --- accuracy of very long runs and of many tiny steps ---
 
 
-# the residual over the largest energy: tolerances at once, and for each turn of link 1 and of the drives
+# Residual over the largest energy: tolerance at once, and per turn of link 1 and of the drives.
 AT_ONCE = 100.0
 PER_TURN = 0.1
 KINDS = {
@@ -222,7 +222,7 @@ KINDS = {
     "elastic": scenes.ELASTIC,
 }
 RUNS = [(0, -100.0, 0.0), (0, 100.0, 0.0), (0, 30.0, 3.0), (1, -100.0, 0.0), (1, 100.0, 0.0)]
-# without it a load runs away with both links
+# Without the housing freewheel a load accelerates both links without limit.
 CASES = [(kind, *run) for kind in KINDS for run in RUNS if kind != "no housing freewheel" or run[2] == 0.0]
 
 
@@ -257,7 +257,7 @@ def test_means_of_a_tiny_last_step_are_instantaneous_torques(compiled, scene):
 
 
 ALIKE = {"contact_mode", "contact_switches", "rhs_evaluations", "drive_turns", "input_turns"}
-# maps of fidelity averaged take minutes in plain Python, except speed-driven planar ones
+# Maps of fidelity averaged take minutes in plain Python, except speed-driven planar ones.
 QUICK = [level for level in LEVELS if level != "averaged"]
 
 

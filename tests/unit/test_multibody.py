@@ -1,4 +1,4 @@
-"""The kernel's equations, and the reference's with losses, against MuJoCo, each joint a hinge of its own."""
+"""Test the kernel, and the losses of the reference, against MuJoCo with a hinge for each joint."""
 
 import itertools
 
@@ -17,7 +17,7 @@ from verification.reference.cases import A1, A2, A3, CLOSED, OMEGA1, OPEN, SUMS,
 
 mujoco = pytest.importorskip("mujoco")
 
-# of random (q, theta1, omega1, alpha1, omega2, alpha2)
+# Scales of random (q, theta1, omega1, alpha1, omega2, alpha2).
 SCALE = np.array([10.0, 10.0, 100.0, 3000.0, 100.0, 3000.0])
 GEAR = {"drive_inertia": 0.004, "satellite_inertia": 0.007, "satellite_transverse_inertia": 0.005}
 FLAT = {"imbalance_mass": 1e-3, "satellite_inertia": 0.2, "satellite_transverse_inertia": 0.1}
@@ -30,7 +30,7 @@ OWN = {
 
 
 class Multibody:
-    """Links 1 and 2, drives and satellites as hinges; the gears are virtual work."""
+    """Links 1 and 2, drives and satellites as hinges; virtual work represents the gears."""
 
     def __init__(self, p):
         self.p = p
@@ -40,7 +40,7 @@ class Multibody:
         self.link1, self.link2 = (
             np.array([name == link for name in self.names], float) for link in ("link 1", "link 2")
         )
-        # how each hinge turns with the drive angle q
+        # Rotation of each hinge per drive angle q.
         turns = {"drive": 1.0, "satellite": satellite_ratio(p)}
         self.gear = np.array([turns.get(name.split()[0], 0.0) for name in self.names])
 
@@ -61,14 +61,14 @@ class Multibody:
         return self.link1 @ torque + geared, self.p["link2_inertia"] * alpha2 - outer
 
     def energy(self):
-        """Kinetic energy of the motion prescribed last."""
+        """Return the kinetic energy of the last prescribed motion."""
         mujoco.mj_energyVel(self.model, self.data)
         return self.data.energy[1]
 
     def on_the_mount(self):
-        """(F, Mo) of the motion prescribed last: what the world gives to links 1 and 2, the other way round.
+        """Return (F, Mo) of the last prescribed motion: reaction force and moment on the mount.
 
-        Their own inertia and the torques that turn them are left out.
+        They exclude the inertia of the links and the torques that drive the links.
         """
         mujoco.mj_rnePostConstraint(self.model, self.data)
         force, moment = np.zeros(3), np.zeros(3)
@@ -84,7 +84,7 @@ class Multibody:
         return force, moment
 
     def imbalance(self):
-        """(position, velocity, acceleration) of imbalance 0 of module 0 in the motion prescribed last."""
+        """Return (position, velocity, acceleration) of imbalance 0 of module 0 in the last motion."""
         body = self.model.body("imbalance 0 0").id
         velocity, acceleration = np.zeros(6), np.zeros(6)
         mujoco.mj_rnePostConstraint(self.model, self.data)
@@ -112,7 +112,7 @@ def multibodies(request):
 
 
 def torques(module, q, omega1, alpha1, omega2, alpha2):
-    """M1 and M2 of a motion of links 1 and 2 that is prescribed, by the kernel's equations."""
+    """Return M1 and M2 of a prescribed motion of links 1 and 2 by the equations of the kernel."""
     x, m = module.state, module.derived.machine
     x.output_state = RATIO_PRESCRIBED
     m.q, m.omega1, m.omega2, m.omega3, m.alpha2 = q, omega1, omega2, omega2, alpha2
@@ -152,20 +152,20 @@ def test_accelerations_with_losses_agree_with_inverse_dynamics(layout, satellite
     p |= {"input_friction": 0.3, "drive_friction": 0.2, "link2_friction": 0.1}
     p |= {"housing_drag": 4.0, "housing_drag_viscous": 0.05, "satellites": satellites, "modules": modules}
     multibody = Multibody(parameters(**LAYOUTS[layout], **p, imbalance_mass=0.8))
-    # dampers at the hinges, the drives' evenly, dry friction at link 2, and weight
+    # Dampers at the hinges (equal on all drives), dry friction at link 2, and weight.
     model, kinds = multibody.model, [name.split()[0] for name in multibody.names]
     model.dof_damping[:] = p["drive_friction"] / kinds.count("drive") * (np.array(kinds) == "drive")
     model.dof_damping += p["input_friction"] * multibody.link1
     model.dof_damping += (p["link2_friction"] + p["housing_drag_viscous"]) * multibody.link2
     model.dof_frictionloss[:] = p["housing_drag"] * multibody.link2
-    # as stiff as that, it slides whatever the acceleration
+    # With this stiffness the hinge slides at any acceleration.
     model.dof_solref[multibody.names.index("link 2")] = -1.0, -1e9
     model.opt.gravity[2] = -p["gravity"]
     machine, y = Machine(multibody.p), np.zeros(SUMS)
     for q, theta1, omega1, alpha1, omega2, alpha2 in states(20, 7):
-        ahead = abs(omega2)  # the freewheel to the housing overruns
+        ahead = abs(omega2)  # The housing freewheel overruns.
         m1, m2 = multibody.prescribe(q, theta1, omega1, alpha1, ahead, alpha2)
-        # the mesh torque minus friction accelerates link 2 and the shaft
+        # The mesh torque minus friction accelerates link 2 and the shaft.
         machine.torque, machine.load = m1, m2 - (p["link2_inertia"] + p["output_inertia"]) * alpha2
         y[Q], y[THETA1], y[OMEGA1 : OMEGA1 + 4] = q, theta1, (omega1, ahead, ahead, ahead)
         solution = machine.forces(y, (OPEN, CLOSED, 1, 1, *[1] * satellites)).x

@@ -23,7 +23,7 @@ SHAFT = PAPERS / "stelmashchuk_stepping.toml"
 # --- the papers ---
 
 
-# of no symmetry
+# A mechanism without symmetry.
 ASKEW = {"z17": 41, "shaft_angle": 1.1, "a": 0.7, "b": 1.4, "c": 0.5, "epsilon": 0.4, "gamma": -1.3}
 
 
@@ -53,7 +53,7 @@ def test_free_wheel_of_lysenko_oscillates_at_constant_energy(built):
     table = run_scene(scene, built / "InertiaModule.fmu").table
     speed, energy = table["input_speed"], table["energy_stored"]
     assert np.ptp(energy) < 1e-9 * energy[0]
-    # rows are 1 ms apart, so the minimum speed is close to a row and the maximum is the start
+    # Rows are 1 ms apart, so the minimum speed is close to a row and the maximum is the start.
     assert speed[0] / speed.min() == pytest.approx(lysenko_at(EXAMPLE, 0.0).speed_ratio, rel=1e-4)
 
 
@@ -64,7 +64,7 @@ def test_stelmashchuks_scene_gives_his_motion(built):
     motion = response(table.time / T, Criteria(8.0, 0.5), 1.0)
     assert table["omega_out"] * T / angle == pytest.approx(motion.velocity, abs=1e-4)
     assert table["twist"] / angle == pytest.approx(-motion.twist, abs=1e-4)
-    # the balancer pushes with the slope of the step before: 3/2 of a step late, of a wave of 4 pi^2
+    # The balancer uses the slope of the previous step: a delay of 3/2 steps in a wave of 4 pi^2.
     late = 1.5 * 4.0 * math.pi**2 * scene.run.communication_step / T
     assert table["driven_acceleration"] * T**2 / angle == pytest.approx(motion.acceleration, abs=1.01 * late)
 
@@ -80,7 +80,7 @@ def test_hub_by_table_with_a_load(built):
     result = run_shaft_scene(load_any_scene(SHAFT, keys), built / "DrivenShaft.fmu")
     assert result.table.names == ["time", "hub_speed", "load_torque", "twist"]
     assert result.table["hub_speed"][-1] == pytest.approx(2.0 * math.pi)
-    # at the end the shaft transmits the load and the torque that accelerates the mass
+    # At the end the shaft transmits the load and the torque that accelerates the mass.
     torque = 2.0 + 0.2 * 2.0 * math.pi
     assert result.record["shaft_torque"][-1] == pytest.approx(torque, rel=0.02)
     assert result.summary["energy_residual_relative"] < 1e-12

@@ -1,4 +1,4 @@
-"""The periodic orbit with a held output: closed forms, balances, the fixed point of its return map."""
+"""Test the periodic orbit at constant output speed: closed forms, balances, fixed point of the return map."""
 
 import math
 
@@ -23,7 +23,7 @@ SHAPES = {
 
 
 def orbit(values, omega1, ratio, turns=1.0, **more):
-    """Module in the periodic orbit over so many turns of the pinion shaft."""
+    """Return the module in the periodic orbit over this number of turns of the pinion shaft."""
     speed = abs(omega1) * ratio
     module = Module("plain")
     return module.start_steady(
@@ -34,7 +34,7 @@ def orbit(values, omega1, ratio, turns=1.0, **more):
 @pytest.mark.parametrize("omega1", [100.0, -3.0])
 def test_at_stall_the_planar_module_has_the_half_waves_of_its_centrifugal_torque(omega1):
     module = orbit(PLANAR, omega1, 0.0)
-    # M2 = - k I' omega1^2 / 2 with I = ... - 2 m l (R0 + r) cos q, while link 2 rests
+    # While link 2 rests, M2 = - k I' omega1^2 / 2 with I = ... - 2 m l (R0 + r) cos q.
     reach = PLANAR["sun_radius"] + PLANAR["satellite_radius"]
     mass = PLANAR["satellites"] * PLANAR["imbalance_mass"]
     peak = (
@@ -56,7 +56,7 @@ def test_mean_energy_and_power_balance(shape, ratio):
     w.tolerance, w.orbit_torque, w.orbit_start = 1e-8, 0.0, periodic_orbit.release_angle(d, 1.0)
     time = periodic_orbit.find_orbit(d, x, w, 10.0, ratio, length)
     assert abs(periodic_orbit.angle_travelled(x)) == pytest.approx(length, rel=1e-8)
-    # the output takes all power, and nothing is stored over a period
+    # The output receives all power, and the stored energy is periodic.
     assert x.energy_in == pytest.approx(x.output_impulse * 10.0 * ratio, abs=1e-5 * 100.0 * w.orbit_energy)
     if ratio == 0.0:
         number = 4000
@@ -74,7 +74,7 @@ def test_held_momentum_changes_by_the_torque_of_the_housing_and_free_flight_begi
     def momentum(angle):
         return periodic_orbit.quantity(d, periodic_orbit.MOMENTUM, direction, 0.0, angle)
 
-    # the drive takes as much as the housing
+    # The drive torque equals the housing torque.
     housing = -solve_at(module, True, False, q=q, omega1=direction, omega2=0.0).mesh
     assert_rates(2.0 * housing / (d.k * direction), lambda angle: momentum(q + angle))
     for kind, value in ((periodic_orbit.FLIGHT_SPEED, 0.0), (periodic_orbit.FLIGHT_SLIP, -1.0)):

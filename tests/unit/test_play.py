@@ -1,4 +1,4 @@
-"""Engagement angles: what a freewheel that turns back through its play meets, loses, and comes to."""
+"""Test engagement angles: impacts, losses and contact modes of a freewheel that turns back."""
 
 import pytest
 from scenes import LOSSES, PLAY, SCENES, advanced, mechanism, reference, started
@@ -6,7 +6,7 @@ from scenes import LOSSES, PLAY, SCENES, advanced, mechanism, reference, started
 from inertia_module.kernel import codes
 from verification.reference.cases import OMEGA3
 
-# drags of both freewheels, one of which turns back within its engagement angle
+# Drags of both freewheels, one of which turns back within its engagement angle.
 DRAGGED = mechanism("""z16=47 output_inertia=.04 housing_drag_viscous=.2 output_drag=2
   omega_out_start=1 output_engagement_angle=.01 omega1=10""")
 
@@ -21,7 +21,7 @@ def test_drag_of_one_freewheel_acts_while_the_other_turns_back(compiled):
 @pytest.mark.parametrize("layout", SCENES)
 @pytest.mark.parametrize("more", [{}, LOSSES["mesh"] | LOSSES["housing_drag"] | LOSSES["output_drag"]])
 def test_averaged_torque_and_loss_agree_with_the_pulses(compiled, layout, more):
-    """Behind a shaft too heavy to change its speed, up to where link 2 is thrown past link 1."""
+    """The shaft is too heavy to change its speed. The ratios end before link 2 overtakes link 1."""
     for angle in (0.002, 0.05):
         for ratio in (0.05, 0.4, 0.8):
             scene = SCENES[layout] | more | dict.fromkeys(PLAY, angle) | {"output_inertia": 1e5}
@@ -38,7 +38,7 @@ def test_averaged_torque_and_loss_agree_with_the_pulses(compiled, layout, more):
 
 
 def test_engagement_is_an_event_but_a_reversal_within_the_engagement_angle_is_not(compiled):
-    """Make steps that end at a switch as in FMI 3.0; the contact mode changes after each."""
+    """Steps end at a switch as in FMI 3.0; the contact mode changes after each."""
     module = started(compiled, SCENES["bevel"], PLAY)
     for number in range(60):
         assert module.call(codes.STEP_UNTIL_EVENT, 0.2) == codes.OK
@@ -49,7 +49,7 @@ def test_engagement_is_an_event_but_a_reversal_within_the_engagement_angle_is_no
 
 
 def test_each_impact_is_an_engagement(compiled):
-    """In steps shorter than the time between impacts, each impact is a loss."""
+    """The steps are shorter than the time between impacts. Each impact is a loss."""
     module = started(compiled, SCENES["bevel"], PLAY)
     impacts = lost = 0.0
     for _ in range(5000):
@@ -79,7 +79,7 @@ PEAKS = (
 @pytest.mark.parametrize("added", [{}, PLAY, PLAY | LOSSES["output_drag"] | LOSSES["mesh"]])
 @pytest.mark.parametrize("layout", SCENES)
 def test_peaks_of_long_steps_agree_with_short_steps(compiled, layout, added):
-    """Up to the moment before an impact, and between the stages of the solver."""
+    """Compare up to the moment before an impact, and between the stages of the solver."""
     long, short = (started(compiled, SCENES[layout], added, tolerance=1e-9) for _ in range(2))
     for _ in range(10):
         long.advance(0.02)

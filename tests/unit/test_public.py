@@ -1,4 +1,4 @@
-"""Public names of the package: there, typed, documented argument by argument."""
+"""Test that the public names of the package exist, have types and document each argument."""
 
 import ast
 import dataclasses
@@ -52,7 +52,7 @@ def test_import_of_the_package_loads_only_the_deprecated_names():
 
 
 def frozen_dataclasses():
-    """All frozen dataclasses of the package."""
+    """Return all frozen dataclasses of the package."""
     for module in pkgutil.walk_packages(inertia_module.__path__, "inertia_module."):
         if module.name.endswith(("__main__", ".slave")):
             continue

@@ -41,9 +41,9 @@ from inertia_module.studies.steady_metrics import STEADY_METRICS
 NAMES = sorted(PUBLIC)
 PLANAR = example("planar")
 MAX_HELP_LINES, MAX_REPR_LINES = 200, 10
-# former names of arguments
+# Former names of arguments.
 FORMER = {"fmu_path", "figure", "figures"}
-# signatures that contain systems of python-control, which has no types
+# Signatures that contain systems of python-control, which has no types
 UNTYPED = {"Scene.surroundings", "Scene.systems"}
 
 
@@ -95,7 +95,7 @@ def test_arguments_have_one_name_and_one_type_for_one_thing(name):
     value = getattr(inertia_module, name)
     try:
         parameters = inspect.signature(value).parameters
-    except ValueError:  # an error
+    except ValueError:  # An error
         return
     assert not FORMER & parameters.keys()
     if "fmu" in parameters:
@@ -342,7 +342,7 @@ def test_the_reference_documents_exactly_the_parameters_of_the_signatures():
             docstring = function.parent.docstring if function.name == "__init__" else function.docstring
             entries = [entry.lstrip("*") for entry in entries_of(docstring, "parameters")]
             number += len(entries)
-            if function.name == "__init__" and not entries:  # a dataclass
+            if function.name == "__init__" and not entries:  # A dataclass
                 attributes = entries_of(docstring, "attributes")
                 entries = [name for name in names if name in attributes]
             if sorted(entries) != sorted(names):
@@ -361,7 +361,7 @@ def test_the_reference_documents_the_fields_of_the_results():
 
 # --- deprecated names ---
 
-# a name in each renamed module
+# A name in each renamed module
 MOVED = {"bridge": "fmu_system", "contract": "__doc__", "figures": "__doc__", "figures.jobs": "fit_figure"}
 MOVED |= {"figures.report": "report_file", "harness": "__doc__", "harness.chart": "SteadyMachine"}
 MOVED |= {"harness.fmu": "Fmu", "harness.results": "Result", "jobs": "fit", "jobs.batch": "batch"}

@@ -1,4 +1,4 @@
-"""Random machines satisfy all checks, and the checks find planted faults."""
+"""Test that random machines pass all checks, and that the checks find planted faults."""
 
 import csv
 import hashlib
@@ -24,18 +24,18 @@ RIGID_LEVEL = next(level for level in LEVELS if level.fidelity == RIGID)
 
 
 def motions(level, count, losses=False):
-    """The first motions of a seed at this level."""
+    """Return the first motions of a seed at this level."""
     drawn = (draw_motion(SEED, number, losses) for number in itertools.count())
     return list(itertools.islice((motion for motion in drawn if motion.level == level), count))
 
 
 def found():
-    """Motions that campaigns have found, with most switches, by what went wrong, or by seed and number."""
+    """Return motions from campaigns, with most switches, by kind of failure, or by seed and number."""
     place = Path(__file__).with_name("found.csv")
     with place.open(encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file):
             parts = [[float(number) for number in one.split()] for one in row["segments"].split(";")]
-            # duration, omega1, load, slope, drive, steps
+            # Duration, omega1, load, slope, drive, steps.
             segments = tuple(Segment(*part[:5], *map(int, part[5:])) for part in parts)
             yield pytest.param(Motion(mechanism(row["parameters"]), segments), 100, id=row["what"])
     for more, numbers in tomllib.loads(place.with_suffix(".toml").read_text(encoding="utf-8")).items():
@@ -53,7 +53,7 @@ def test_what_was_found_stays_mended(compiled, motion, switches):
     finding = examine(motion, lambda: Module(compiled))
     assert not finding.failed, finding.metrics
     assert not finding.rejection
-    # whose freewheels do not chatter
+    # The freewheels of these machines do not chatter.
     assert run(motion, lambda: Module(compiled)).points[-1]["contact_switches"] < switches
 
 

@@ -1,4 +1,4 @@
-"""Test every rate of the kernel with differences at random states.
+"""Test each rate of the kernel with differences at random states.
 
 The rates determine whether a dip of an event indicator is searched, and the contact mode after a tie. A wrong
 rate costs steps, or has an effect only in rare motions. test_averaged_map.py tests rates of fidelity
@@ -25,7 +25,7 @@ from inertia_module.kernel.tableau import DOP853_LAST_STAGE, DOP853_ROW, N_STAGE
 from verification.stability.motion import solve_at
 
 MODES = [HELD, FREE, DRIVING, HELD_DRIVING]
-# phase of the highest harmonic in a step, rad: its inside is as exact as differences of it
+# Phase of the highest harmonic in a step, rad; the dense output is as exact as differences then.
 PHASE = 0.2
 
 
@@ -40,7 +40,7 @@ def values(request):
 
 @pytest.fixture
 def chance(request):
-    """A source of random numbers, for each test its own and the same each run."""
+    """Return a source of random numbers with a seed for each test."""
     return random.Random(request.node.name)
 
 
@@ -50,7 +50,7 @@ def random_motion(chance):
 
 
 def in_mode(values, mode, chance):
-    """A module at a random state of this contact mode, and an empty workspace."""
+    """Return a module at a random state of this contact mode, and an empty workspace."""
     module = started("plain", values)
     x, d = module.state, module.derived
     x.mode = mode
@@ -83,7 +83,7 @@ def test_guards_in_an_explicit_step(values, chance, mode):
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_ties_keep_the_contact_mode(chance, sign):
-    # link 1 at rest at an angle where F is none, and grows, or falls, as it begins to turn
+    # Link 1 is at rest at an angle with F = 0; F increases or decreases when it starts to turn.
     module = started("plain", SCENES["bevel"], omega1=0.0)
     d, x = module.derived, module.state
     x.q = 0.0

@@ -1,4 +1,4 @@
-"""Records of the kernel: a misspelt field raises, a debugger can print one, and the workspace is scratch."""
+"""Test records of the kernel: misspelt fields raise, debuggers print records, the workspace is scratch."""
 
 import math
 import re

@@ -24,7 +24,7 @@ OUTPUTS = {"rigid": {}, "elastic": {**ELASTIC, "driven_friction": 0.03, "balance
 TABLE = tomllib.loads(Path(__file__).with_name("reference.toml").read_text(encoding="utf-8"))
 PARTS = scenes.PARTS | LOSSES | scenes.FREEWHEELS | TABLE["parts"] | {"losses": ALL_LOSSES}
 PARTS["springs"] = ELASTIC | ALL_LOSSES | {"housing_damping": 0.05}
-# impulses of the reference, and the outputs that are their means over a step
+# Impulses of the reference, and the outputs that are their means over a step.
 IMPULSES = {
     "M1": "input_torque_mean",
     "M2": "mesh_torque_mean",
@@ -77,7 +77,7 @@ def cases():
         yield f"{layout}-backwards-{freewheels.replace(' ', '-')}", values | back
 
 
-# the ideal engines have friction and gears as well, the general one all the rest
+# The ideal engines support friction and gears; the general engine supports all other parameters.
 GENERAL = (ALL_LOSSES.keys() | PLAY.keys() | {"windage"}) - LOSSES["viscous"].keys()
 IDEAL_CASES, GENERAL_CASES = (
     [pytest.param(values, id=name) for name, values in cases() if bool(GENERAL & values.keys()) == general]
@@ -86,7 +86,7 @@ IDEAL_CASES, GENERAL_CASES = (
 
 
 def assert_same_motion(kernel, values, parts=(0.01, 0.03)):
-    """Angles, speeds, energies, torques and means at these times, or under (time, load)."""
+    """Compare angles, speeds, energies, torques and means at these times, or under (time, load)."""
     module, exact = started(kernel, values, tolerance=1e-12), reference(values)
     accuracy = 1e-8 if "housing_damping" in values else 1e-9
     before = exact.integrals()
@@ -155,7 +155,7 @@ def test_input_impulse_equals_the_change_of_momentum(compiled, tolerance):
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
 def test_losses_of_several_satellites_follow_the_tolerance(compiled, tolerance):
-    """Each change of the sign of one's torque is an event."""
+    """Each sign change of a satellite's torque is an event."""
     values = {"satellites": 5, "gamma": 3.8, "satellite_mesh_efficiency": 0.5, "omega1": 200.0}
     result, exact = started(compiled, values, load_torque=6e4, tolerance=tolerance), reference(values)
     exact.give(0.0, 6e4)
@@ -181,10 +181,10 @@ def test_energy_balance_meets_the_tolerance_for_all_steps(compiled, name):
         assert held_to(module, exact, 3.0 * tolerance) == {}, (tolerance, cuts)
 
 
-# --- a jump of the input speed is an impulse, shared out by the 2 x 2 complementarity problem ---
+# --- a jump of the input speed: impulses from the 2 x 2 complementarity problem ---
 
 
-MOMENT = 1e-13  # s: too short for anything but the jump
+MOMENT = 1e-13  # s; only the jump has an effect in this time
 SPEEDS = st.floats(-200.0, 200.0)
 
 
@@ -221,14 +221,14 @@ def test_speeds_and_impulses_after_a_jump_solve_the_complementarity_problem(
     speeds += [module[f"{name}_torque_mean"] * MOMENT for name in ("output", "input", "mesh", "housing")]
     expected = [end2, end3, carried, driven, mesh, held]
     assert speeds == pytest.approx(expected, rel=1e-7, abs=1e-6)
-    # a speed is zero within rounding of the fastest one
+    # A speed is zero within rounding of the largest speed.
     fastest = max(abs(omega1), abs(target), abs(omega2), abs(omega3))
     turnover = stored + abs(module["energy_in"]) + module["output_inertia"] * fastest**2
     assert abs(module["energy_residual"]) <= 1e-12 * turnover + 1e-20
     assert abs(module["energy_lost"]) <= (1e-9 if shaft else 0.0)
 
 
-# --- check values agreed with an independent multibody engine; the error follows `tolerance` alone ---
+# --- check values of an independent multibody engine; the error depends only on `tolerance` ---
 
 
 TOLERANCES = [1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10]

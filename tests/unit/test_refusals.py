@@ -14,7 +14,7 @@ NO_NUMBERS = (math.nan, math.inf, -math.inf)
 
 
 def bad_values(variable):
-    """Values just outside the range of a variable, and those that are no numbers."""
+    """Return values just outside the range of a variable, and values that are no numbers."""
     yield from NO_NUMBERS
     if variable.kind in (variables.INTEGER, variables.ENUMERATION, variables.BOOLEAN):
         yield from (0.5, 1.5, -1)
@@ -102,7 +102,7 @@ def test_calls_before_the_start_are_rejected_without_effect():
     for name in ("omega3", "Omega1", "", *(v.name for v in with_causality(OUTPUT, LOCAL))):
         message = refusal(module.set, **{name: 1.0})
         assert message.startswith(f"unknown parameter or input {name!r}; "), name
-    # one bad value keeps all others out
+    # A single bad value rejects all values.
     message = refusal(module.set, omega1=3.0, modules=2, tolerance=7.0, satellites=3)
     assert message == sentence(BY_NAME["tolerance"], 7.0)
     assert module.save() == before

@@ -1,4 +1,4 @@
-"""Explicit pairs: orders of the tables, order of convergence of a step, dense output."""
+"""Test explicit pairs: orders of the tables, order of convergence of a step, dense output."""
 
 import math
 
@@ -11,7 +11,7 @@ from inertia_module.kernel import tableau
 from inertia_module.kernel.events import advance, stages
 from inertia_module.kernel.fields import WORKSPACE
 
-# row of the first stage, last stage and order of each pair
+# Row of the first stage, last stage and order of each pair.
 PAIRS = {
     "8(5,3)": (tableau.DOP853_ROW, tableau.DOP853_LAST_STAGE, 8),
     "5(4)": (tableau.DOPRI5_ROW, tableau.DOPRI5_LAST_STAGE, 5),
@@ -20,12 +20,12 @@ SIGMAS = [0.0, 0.17, 0.5, 0.83, 1.0]
 
 
 def powers(nodes, power):
-    """Rates at the nodes whose integral is t^(power + 1)."""
+    """Return rates at the nodes whose integral is t^(power + 1)."""
     return [(power + 1) * node**power for node in nodes]
 
 
 def nodes_of(pair):
-    """Nodes of a pair, and those for the inside of the longer one."""
+    """Return the nodes of a pair, and the nodes of the dense output of the longer pair."""
     return (
         tableau.NODES[: tableau.N_STAGES]
         if pair == tableau.DOP853_ROW
@@ -74,7 +74,7 @@ def test_inside_of_an_explicit_step(power, sigma):
     assert tableau.dense_rate(dense, sigma) == pytest.approx(h * (power + 1) * sigma**power, abs=1e-11)
 
 
-# a shaft between hub and driven mass without imbalances: a harmonic oscillation
+# A shaft between hub and driven mass without imbalances: a harmonic oscillation.
 OSCILLATOR = {
     "fidelity": 3,
     "omega1": 0.0,
@@ -92,7 +92,7 @@ AMPLITUDE = 0.1
 
 
 def oscillating_step(pair, h):
-    """Constants, state and workspace after one step h of the oscillator, the twist starting at AMPLITUDE."""
+    """Return constants, state and workspace after one step h of the oscillator from the twist AMPLITUDE."""
     module = started("plain", OSCILLATOR)
     d, x, w = module.derived, module.state, record_type(WORKSPACE)()
     x.twist, x.rates_cached = AMPLITUDE, 0.0

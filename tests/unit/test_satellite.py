@@ -22,13 +22,13 @@ PLANAR = {"layout": "planar", "sun_radius": 0.09, "satellite_radius": 0.03}
 
 
 def of_sizes(mechanism, **changed):
-    """Scene R1 with another mechanism, whose one satellite has SIZES."""
+    """Return scene R1 with another mechanism that has a single satellite with SIZES."""
     keys = {**mechanism, "satellite": {**SIZES, **changed}}
     return load_scene(example("reference")).replaced(mechanism=keys)
 
 
 def half_disc(radius, thickness, place, density, segments=720):
-    """A mesh and a geom of MuJoCo: a prism whose base is half of a regular polygon, to the side of x."""
+    """Return a mesh and a geom of MuJoCo: a prism with half a regular polygon as base, towards x."""
     angles = np.linspace(-0.5 * np.pi, 0.5 * np.pi, segments + 1)
     rim = radius * np.array([np.cos(angles), np.sin(angles)]).T
     points = [f"{x:.17g} {y:.17g} {side * thickness:.17g}" for side in (-0.5, 0.5) for x, y in rim.tolist()]
@@ -58,13 +58,13 @@ def test_inertia_of_satellite_shapes_agrees_with_mujoco(layout):
     mujoco.mju_quat2Mat(turn, model.body_iquat[1])
     inertia = np.diag(turn.reshape(3, 3) @ np.diag(model.body_inertia[1]) @ turn.reshape(3, 3).T)
     offset = result["a"] * pitch if layout == "bevel" else result["eccentricity"]
-    # half a polygon of 1,440 sides is smaller than half a disc by 3e-6 of it
+    # Half a polygon of 1,440 sides is smaller than half a disc by 3e-6.
     assert model.body_mass[1] == pytest.approx(result["imbalance_mass"], rel=1e-5)
     assert model.body_ipos[1] == pytest.approx([offset, 0.0, 0.0], rel=1e-5, abs=1e-9)
     assert inertia[2] == pytest.approx(result["satellite_inertia"], rel=1e-5)
     if layout == "bevel":
         assert np.mean(inertia[:2]) == pytest.approx(result["satellite_transverse_inertia"], rel=1e-5)
-        # which is all that the module leaves out
+        # The module omits only this part.
         swing = result["imbalance_mass"] * offset**2
         assert abs(inertia[1] - inertia[0]) == pytest.approx(swing, rel=1e-4)
 
@@ -84,7 +84,7 @@ def test_derived_parameters_are_written_as_sizes(tmp_path):
     assert 'material = "2700 kg/m3"' in path.read_text()
     assert "imbalance_mass" not in path.read_text()
     assert load_scene(path).parameters() == scene.parameters()
-    # the fidelity, and other keys, may be changed as ever
+    # Other keys, such as the fidelity, can be changed.
     assert scene.with_fidelity("averaged").following == followed
     wider = scene.with_keys({"mechanism.satellite.weight_width": "30 mm"}).following
     assert wider["imbalance_mass"] == pytest.approx(gear + 1.5 * weight)

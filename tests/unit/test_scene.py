@@ -1,4 +1,4 @@
-"""Scene files: what they mean in SI, and one line for each thing that can be wrong."""
+"""Test scene files: their values in SI units, and a line for each error."""
 
 import math
 import re
@@ -19,7 +19,7 @@ from inertia_module.scene.run import scene_plan, start_of
 from inertia_module.scene.schema import Mechanism
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
-# scenes of which tests change a part
+# Scenes that tests modify.
 BASES = {file.stem: file.read_text() for file in Path(__file__).with_name("bases").iterdir()}
 OPEN, CLOSED, TORQUE = (BASES[name] for name in ("open", "closed", "torque"))
 VEHICLE = 'kind = "vehicle"\nmass = 900\nwheel_radius = 0.3\nfinal_drive = 3'
@@ -142,7 +142,7 @@ def test_slope_over_distance_replaces_the_constant_slope():
 
 @pytest.mark.parametrize("open_one", ["housing_freewheel", "output_freewheel"])
 def test_car_rolls_back_without_a_freewheel(open_one):
-    """Uphill and at rest its rolling resistance helps to hold it, and does not push it down."""
+    """Uphill and at rest the rolling resistance holds the car; it does not push it down."""
     uphill = changed(CLOSED, VEHICLE, VEHICLE + '\nslope = "1 %"\nrolling_resistance = 0.02')
     for mechanism, torque in (("", 0.01 + 0.02), (f"[mechanism]\n{open_one} = false", 0.0)):
         load = read(uphill + mechanism).built_load.system
@@ -150,7 +150,7 @@ def test_car_rolls_back_without_a_freewheel(open_one):
         assert held == pytest.approx(torque * 0.1 * 900.0 * 9.80665, rel=1e-3, abs=1e-9)
 
 
-# --- drives that give a torque ---
+# --- torque-driven scenes ---
 
 
 def test_a_torque_sets_the_drive_and_the_start():
@@ -199,7 +199,7 @@ BASES |= {
     "engine": ENGINE,
     "still": changed(changed(CLOSED, VEHICLE, 'kind = "torque"\ntorque = 1'), '"36 km/h"', "3"),
 }
-# a scene of these with something changed or, before its end, added; how the line about it begins and goes on
+# Scenes with a change or an addition, and the words of the error.
 REFUSED = Path(__file__).with_name("refused_scenes.txt").read_text(encoding="utf-8")
 
 

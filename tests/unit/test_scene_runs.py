@@ -1,4 +1,4 @@
-"""Runs of scenes: the wanted columns, the numbers of the summary, what is drawn; engines and controllers."""
+"""Test runs of scenes: output columns, summary, figures, engines and controllers."""
 
 import math
 import re
@@ -46,13 +46,13 @@ TOP_SPEED = 250.0
 
 
 def scene(stop=0.5, step=0.001, outputs=None, **tables):
-    """R1 under 10 N.m with other keys; None takes one away."""
+    """Return R1 under 10 N.m with other keys; None deletes a key."""
     run = {"stop_time": stop, "communication_step": step, "outputs": outputs}
     return R1.replaced(run=run, **tables)
 
 
 def table(**last):
-    """A table of two rows, all zeros but what is given for the second."""
+    """Return a table of two rows; all values are zero, except the arguments in the second row."""
     columns = {name: np.array([0.0, last.get(name, 0.0)]) for name in (*SUMMARISED, "load_torque", *last)}
     return Result.from_columns({"time": np.array([0.0, 1.0]), **columns})
 
@@ -85,12 +85,12 @@ def test_load_above_stall_is_reported():
     "given, out, stored, lost, efficiency",
     [
         (100.0, 60.0, 20.0, 20.0, 0.8),
-        # a load that drives, motion used up, a drive that takes: put in is what came in
+        # A driving load, released kinetic energy, a driven input: the work put in is the sum of inflows.
         (-30.0, -50.0, 10.0, 10.0, 0.8),
         (0.0, 15.0, -20.0, 5.0, 0.75),
         (7.0, 0.0, 0.0, 7.0, 0.0),
         (7.0, 7.0, 0.0, 0.0, 1.0),
-        # a balancer gives more than is lost; nothing moves
+        # A balancer releases more than the losses; nothing moves.
         (7.0, 9.0, 0.0, -2.0, None),
         (0.0, 0.0, 0.0, 0.0, None),
     ],
@@ -122,10 +122,10 @@ def test_forces_are_magnitudes_of_recorded_components():
     assert found["shaking_force_peak"] == (7.0, "N")
     assert found["shaking_force_rms"].value == pytest.approx(7.0 / math.sqrt(2.0))
     assert "shaking_moment_peak" not in found
-    # two of three components are no force, and what is 0 throughout is not known
+    # Two of three components are no magnitude. A signal that is 0 throughout is not modelled.
     assert not run.forces(table(shaking_force_x=2.0, shaking_force_y=1.0))
     assert not run.forces(table(satellite_force=0.0))
-    # nor is what three satellites leave of 3 kN by rounding
+    # The forces of three satellites of 3 kN cancel to rounding.
     balanced = table(satellite_force=3e3, shaking_force_x=0.0, shaking_force_y=3e-12, shaking_force_z=-4e-12)
     assert list(run.forces(balanced)) == ["satellite_force"]
     between = summarise(table(satellite_force=5.0, satellite_force_peak=8.0), None, 1.0, {})
@@ -136,7 +136,7 @@ def test_forces_are_magnitudes_of_recorded_components():
 
 
 def test_maximum_frequency_is_the_mean_of_ten_engagements():
-    # 20 Hz, 50 Hz for 15 of them, rest
+    # 20 Hz, then 50 Hz for 15 engagements, then rest.
     events = np.cumsum([*[0.05] * 30, *[0.02] * 15, 3.0])
     for step, allowed in ((1e-3, 0.01), (0.015, 0.1)):
         time = np.arange(0.0, 6.0, step)
@@ -159,7 +159,7 @@ def test_overruns_through_which_sprags_stay_engaged_do_not_count():
 
 
 def test_duty_excludes_jumps_of_a_zero_order_speed(fmu):
-    # up to 1500 rpm, 5/3 engagements a turn at stall
+    # Up to 1500 rpm, with 5/3 engagements per turn at stall.
     result = run_scene(load_scene(EXAMPLES / "real_machine.toml").replaced(run={"stop_time": 1.5}), fmu)
     for name in ("housing", "output"):
         assert result[f"{name}_engagements"][-1] > 200.0
@@ -215,7 +215,7 @@ def test_missing_freewheel_has_no_duty(fmu):
 
 
 def car(speed, time, **columns):
-    """A table with a vehicle of these speeds at these times."""
+    """Return a table with a vehicle of these speeds at these times."""
     zeros = ("distance", "load_speed", *(f"{name}_torque" for name in ("rolling", "drag", "slope", "brake")))
     given = {name: np.zeros(len(time)) for name in (*SUMMARISED, "load_torque", *zeros)}
     units = {"reference": "m/s"}
@@ -254,13 +254,13 @@ def test_impact_torque_is_the_torque_of_a_spring_with_its_energy(fmu):
     assert not [one for one in result.warnings if "impact" in one]
     lost = np.diff(result.record["energy_lost_freewheel"])
     assert energy == lost.max() > 0.0
-    # the limit of which it is above
+    # The torque exceeds this limit.
     low = run_scene(played(torque=0.9 * torque, stiffness=stiffness), fmu)
     assert [one for one in low.warnings if one.startswith("output impact torque is above the limit")]
 
 
 def test_impact_estimate_agrees_with_a_compliant_freewheel(fmu):
-    """Half a sine of slip sqrt(c J), on top of what the freewheel carries then."""
+    """Add half a sine with amplitude slip sqrt(c J) to the torque that the freewheel transmits then."""
     stiffness = 2e4
     rigid = run_scene(played(stiffness=stiffness), fmu)
     shaft = {
@@ -298,7 +298,7 @@ def test_a_launch_beyond_the_grip_has_a_remark_and_a_warning(fmu, friction, slip
     assert (largest > 4000.0 * friction) == slips
     assert ("grip" in result.remarks) == slips
     assert any("tractive force maximum exceeds its limit" in one for one in result.warnings) == slips
-    # the mean torque of the module drives the car and its own output inertia
+    # The mean torque of the module accelerates the car and its own output inertia.
     torque = result.record["output_torque_mean"].max() * launch.load.final_drive / launch.load.wheel_radius
     assert largest == pytest.approx(torque, rel=0.15)
 
@@ -326,7 +326,7 @@ def test_invalid_grip_is_rejected(keys, words):
 
 
 def test_launch_on_a_hill_starts_after_rolling_back():
-    """Pulses move the car, it stands in between; before, it rolls forward and back."""
+    """Pulses move the car, with rest in between. Before, the car rolls forward and back."""
     time = np.linspace(0.0, 4.0, 401)
     pulses = np.where(time % 0.2 < 0.1, 1.0, 0.0)
     speed = np.where(time < 1.0, np.sin(math.tau * time), np.where(time < 3.0, pulses, 10.0 * (time - 3.0)))
@@ -362,7 +362,7 @@ def test_controlled_run_reports_tracking_error_and_energies(fmu, tmp_path):
 
 
 def test_car_that_cannot_follow_its_cycle_is_reported(fmu):
-    """From 18 km/h, at the end in vain: link 1 may turn at 10 rad/s, which is 3.6 km/h."""
+    """Link 1 may turn at 10 rad/s, which is 3.6 km/h. The car starts at 18 km/h."""
     reference = {"kind": "table", "time": [0, 2, 3], "speed": [5, 5, 10]}
     start = {"satellites": 3, "omega_out_start": 50}
     weak = {**DRIVEN_CAR, "controller": {**FOLLOWED, "maximum": 10, "reference": reference}}
@@ -383,7 +383,7 @@ def test_car_that_cannot_follow_its_cycle_is_reported(fmu):
 
 
 def test_energy_of_a_car_behind_an_elastic_shaft(fmu):
-    """Only resistances of the car's own motion count: in = rolling + what still moves."""
+    """Only resistances of the motion of the car count: input = rolling resistance + kinetic energy."""
     coupled = {**DRIVEN_CAR, "load": {**CAR, "coupling": {"stiffness": 2000, "damping": 20}}}
     reference = {"kind": "constant", "speed": 10}
     coupled["controller"] = {**FOLLOWED, "proportional_gain": 100, "reference": reference}
@@ -408,7 +408,7 @@ def test_losses_of_a_run_add_up_and_are_drawn(fmu):
     figure = scene_figure(result)
     assert {"satellite bearing", "mounting", "viscous", "losses"} <= labels(figure)
     assert len(figure.axes) == 12
-    # the power lost, drawn over the end of the run, is that of the table
+    # The power loss over the end of the run equals the table.
     lost = next(
         axes for axes in figure.axes if axes.get_ylabel() == "losses [W]" and axes.get_xlim()[0] > 0.3
     )
@@ -471,11 +471,11 @@ def test_torque_driven_run_reports_and_draws_speed_and_torque(fmu):
     assert "omega1" not in table
     assert summary["omega1_maximum"] == table["input_speed"].max()
     assert summary["energy_residual_relative"] < 1e-6
-    # held over each step
+    # The torque is constant in each step.
     mean = np.average(table["drive_torque"][:-1])
     assert summary["input_torque_mean"] == pytest.approx(mean, rel=1e-9)
     assert {"input ω1", "drive"} <= labels(scene_figure(result))
-    # and in this process
+    # A run in this process agrees.
     found = run_in_process(scene(**RISING))
     assert found["omega_out"][-1] == pytest.approx(table["omega_out"][-1], rel=1e-9)
     assert time_of(scene(**RISING), found) > 0.0
@@ -515,7 +515,7 @@ def test_a_controller_commands_the_torque_within_its_limits(fmu):
 
 
 def full_throttle(stop_time=6.0, step=0.01, integral_gain=12.0):
-    """The example, throttle open from the start, engine at idle."""
+    """Return the example with full throttle from the start, and the engine at idle."""
     governor = {
         "top_speed": TOP_SPEED,
         "idle": 80.0,
@@ -539,15 +539,15 @@ def test_full_throttle_torque_follows_the_map_and_the_speed_limiter(fmu, integra
     governor, integral, expected = Governor(3.0, integral_gain, 0.01), 0.0, []
     for n, speed in enumerate(table["input_speed"]):
         sample = TOP_SPEED, speed, limits.limits(speed)
-        if n > 0:  # the integral counts the sample in hand
+        if n > 0:  # The integral includes the present sample.
             integral = governor.sample(integral, *sample)[1]
         expected.append(governor.sample(integral, *sample)[0])
-    assert table["input_speed"].max() > TOP_SPEED  # the governor had something to do
+    assert table["input_speed"].max() > TOP_SPEED  # The governor is active.
     assert table["drive_torque"] == pytest.approx(expected, rel=1e-9)
 
 
 def test_with_the_throttle_closed_the_engine_idles(fmu):
-    """The module asks for torque only to turn link 2 and the car: the governor of the idle speed gives it."""
+    """The governor of the idle speed supplies the torque that turns link 2 and the car."""
     closed = full_throttle(8.0).replaced(drive={"throttle": 0.0, "omega1": 150.0})
     table = run_scene(closed, fmu).record
     assert table["drive_torque"][0] == pytest.approx(closed.drive.torque_map().limits(150.0)[0])
@@ -571,7 +571,7 @@ def test_example_reports_the_acceleration_time(fmu):
     assert f"25 km/h in {numbers['time_to_25_kmh']:.3g} s" in heading
 
 
-# --- pictures show the numbers that they name ---
+# --- figures contain the numbers that they name ---
 
 
 PULSES = np.tile([0.0, 0.0, 5.0, 9.0, 5.0], 6)

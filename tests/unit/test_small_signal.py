@@ -57,7 +57,7 @@ def test_transient_inertias_depend_only_on_the_speed_ratio(compiled, parameters,
     assert inertia == pytest.approx(
         averaged_module.transient_inertia(parameters, 2.0 * omega1, 2.0 * speed, compiled), rel=1e-6
     )
-    # order of magnitude of the moving inertias, small compared with the output inertia
+    # Order of magnitude of the moving inertias, small compared with the output inertia.
     assert 0.0 < inertia.input < 0.02
     assert 0.0 < inertia.output < 0.02
 
@@ -91,7 +91,7 @@ def test_sine_is_fitted_to_a_signal_with_pulses_and_drift():
 
 
 class Pulsing:
-    """Integrator whose output has pulses that grow slowly."""
+    """Integrator whose output has slowly growing pulses."""
 
     speed, omega1, steps = 0.0, 0.0, 0
 
@@ -119,7 +119,7 @@ def test_predicted_and_measured_margins_of_an_integrator_with_pulses():
     crossover = 2.0 * np.arcsin(0.05)
     assert expected.crossover == pytest.approx(crossover, rel=1e-3)
     assert expected.phase == pytest.approx(90.0 - np.degrees(1.5 * crossover), abs=0.1)
-    # The surrounding itself has a delay of one step.
+    # The surrounding system has a delay of one step.
     around = ct.ss([[0.0]], [[-0.1]], [[1.0]], [[0.0]], 1.0, inputs="omega_out", outputs="omega1")
     point, limits = {"omega_out": 0.0, "omega1": 0.0}, (-1e9, 1e9)
     measured = measured_margins(Pulsing(), around, point, [1.0], expected, limits)

@@ -1,4 +1,4 @@
-"""Specifications of designs: what is refused, and how designs are judged by them."""
+"""Test specifications of designs: errors, the judgement of designs, doubts and the search."""
 
 import math
 from pathlib import Path
@@ -74,7 +74,7 @@ def test_designs_are_judged_in_the_units_of_their_figures(read):
     judge = Judge(read(SPEC), UNITS)
     good = row(22.0, 40.0, 1.0)
     assert judge.meets(good)
-    # the margin is for what the scene gives: 10 % of 100 rpm, 10 % of 50 rad/s
+    # The margin refers to the units of the scene: 10 % of 100 rpm, 10 % of 50 rad/s.
     assert judge.violations(good, 0.1) == pytest.approx(
         [-0.1, 1.0 - 40.0 / 10.4719755 + 0.1, -0.2 + 0.1, 0.0]
     )
@@ -98,7 +98,7 @@ def test_front_contains_the_nondominated_designs(read):
 
 def test_better_designs_of_another_search_dominate_within_the_limits(read):
     judge = Judge(read(SPEC), UNITS)
-    # of torque, speed and mass
+    # The arguments are torque, speed and mass.
     here = row(30.0, 20.0, 1.0)
     for other, better in (
         (row(30.0, 20.0, 0.9), True),
@@ -138,9 +138,9 @@ def test_unreached_speed_is_reported():
     assert unreached(scene, [fast, refused]) == {}
 
 
-# --- what is in doubt, though limits are met ---
+# --- doubts about designs that meet the limits ---
 
-# design 3 of methods.md as it was with weightless satellites
+# Design 3 of methods.md with massless satellites.
 POINTS = {
     "layout": "planar",
     "sun_radius": 0.09761,
@@ -154,7 +154,7 @@ POINTS = {
 
 
 def disc(density):
-    """Inertia of a disc of the satellite's pitch radius, 15 mm wide, about its axis, kg.m2."""
+    """Return the axial inertia of a disc with the pitch radius of the satellite, 15 mm wide, kg.m2."""
     return 0.5 * math.pi * density * 0.015 * POINTS["satellite_radius"] ** 4
 
 
@@ -165,14 +165,14 @@ def metric(name, values, ratio=0.0):
 @pytest.mark.parametrize("density, end", [(0.0, 1.0), (2700.0, 0.54), (7850.0, 0.31)])
 def test_figures_with_satellite_mass_have_a_caveat(density, end):
     values = {**POINTS, "satellite_inertia": disc(density)}
-    # which the metrics asked for before do not show
+    # The satellite mass does not change the stall torque.
     assert metric("stall_torque", values) == pytest.approx(208.54, abs=0.01)
     assert metric("end_ratio", values) == pytest.approx(end, abs=0.01)
     held, least = (metric(name, values) for name in ("lock_up_torque", "least_torque"))
     assert (held, least) == ((0.0, 0.0) if density else pytest.approx((655.15, 55.24), abs=0.01))
     scene = load_scene(example("engine_launch")).replaced(mechanism={**values, "output_inertia": None})
     doubts = doubts_of(scene, {"distance": 80.0}, 250.0)
-    doubts.pop("drive too weak", None)  # of the machine that locks up: it takes the most
+    doubts.pop("drive too weak", None)  # A machine that locks up has this doubt
     assert doubts == (
         {"no lock-up": f"no torque is transmitted above a speed ratio of {end}"}
         if density
@@ -182,7 +182,7 @@ def test_figures_with_satellite_mass_have_a_caveat(density, end):
 
 @pytest.mark.parametrize("density, reached", [(0.0, 9.82), (2700.0, 21.5), (7850.0, None)])
 def test_a_car_is_launched_as_its_satellites_weigh(density, reached, built):
-    """The module of POINTS in the car of methods.md: to 50 km/h in 25 s or not."""
+    """The module of POINTS accelerates the car of methods.md to 50 km/h in 25 s, or does not."""
     spec = read_spec(example("design_car"))
     tables = {name: table for name, table in spec.tables.items() if name in Scene.model_fields}
     kept = {name: value for name, value in tables["mechanism"].items() if name != "satellite"}
@@ -195,13 +195,13 @@ def test_a_car_is_launched_as_its_satellites_weigh(density, reached, built):
 
 
 def test_input_torque_pulses_follow_from_the_reduced_inertia():
-    # at rest of link 2: M1 - M2 is the rate of I omega1, I = n m (R0^2 + ...) even, so all six give M2 alone
+    # Link 2 is at rest. M1 - M2 is the rate of I omega1. Six satellites have a constant I: use one.
     one = {**POINTS, "satellites": 1.0}
     lengths = POINTS["sun_radius"] + POINTS["satellite_radius"], POINTS["eccentricity"]
     k = POINTS["sun_radius"] / POINTS["satellite_radius"]
-    # I = m (R^2 + l^2 - 2 R l cos q), so M1 = I' q' omega1 + M2 with M2 = - k I' omega1^2 / 2
+    # I = m (R^2 + l^2 - 2 R l cos q), so M1 = I' q' omega1 + M2 with M2 = - k I' omega1^2 / 2.
     peak = 0.5 * k * 2.0 * POINTS["imbalance_mass"] * math.prod(lengths) * 250.0**2
-    # and k B'q'^2, B = m l (l - R cos q)
+    # The second term is k B' q'^2, with B = m l (l - R cos q).
     peak += POINTS["imbalance_mass"] * math.prod(lengths) * (k * 250.0) ** 2
     assert metric("input_torque_peak", one) == pytest.approx(peak, rel=2e-3)
     assert metric("input_torque_ripple", one) == pytest.approx(peak / math.sqrt(2.0), rel=2e-3)
@@ -224,7 +224,7 @@ def test_resting_load_and_missing_freewheel_are_reported():
     found = doubts_of(shaft, {"omega_out_maximum": 0.0}, 250.0)
     assert found["load does not move"] == "0 revolutions in the run"
     assert "without both freewheels there is no mean torque" in found["no mean torque"]
-    # where nothing was run there is nothing to say
+    # A scene without a run has no doubts.
     assert "load does not move" not in doubts_of(shaft, {}, 250.0)
 
 
@@ -246,7 +246,7 @@ def test_verdict_contains_doubts_and_the_end_of_the_search(read, tmp_path):
     )
     assert "no improvement in the last 8 generations" in verdict([short], [], False, {}).verdict()
     assert "search.longest = 600 s ended the search" in verdict([short], [], True, {}).verdict()
-    # a refused design is never the nearest one, however far the others are
+    # A rejected design is never the nearest design, even if all others are far from the limits.
     far, refused = row(1.0, 500.0, 1.0), Row({"mass": 9.0}, {}, 0.0, "too heavy")
     judge = Judge(spec, UNITS)
     assert judge.beyond(far) > judge.beyond(refused)
@@ -258,7 +258,7 @@ def test_verdict_contains_doubts_and_the_end_of_the_search(read, tmp_path):
 
 
 def searched(read, height, **settings):
-    """Search the least mass of designs whose mass is a function of imbalance mass and satellites alone."""
+    """Minimise a mass that depends only on imbalance mass and number of satellites."""
     text = SPEC.replace(', goal = "greatest"', "").replace("[search]", "[search]\nstarts = 3")
     keys = "".join(f"{name} = {value}\n" for name, value in settings.items())
     spec = read(text.replace("[search]\n", f"[search]\n{keys}"))
@@ -277,7 +277,7 @@ def searched(read, height, **settings):
 
 
 def test_the_polish_reaches_the_limit_and_the_starts_agree(read):
-    """The least mass is where the limit of the torque is, at an imbalance mass of 1 kg."""
+    """The minimum mass is at the torque limit, at an imbalance mass of 1 kg."""
     _, result = searched(read, lambda mass, number: mass + number, population=8, generations=4)
     assert result.has_converged
     assert len(result.starts) == 3
@@ -287,7 +287,7 @@ def test_the_polish_reaches_the_limit_and_the_starts_agree(read):
 
 
 def test_starts_with_different_minima_are_not_converged(read):
-    """Dips that are far narrower than the distance of the designs."""
+    """The dips are far narrower than the distance between the designs."""
     _, result = searched(
         read, lambda mass, number: 1e-3 + abs(math.sin(3e5 * mass)), population=4, generations=1
     )
@@ -316,7 +316,7 @@ def test_verdict_reports_the_agreement_of_starts(read, tmp_path):
 
 
 def test_tightest_limit_can_be_exceeded(read):
-    """A speed ratio of at least 1 is reached exactly by each machine that locks up."""
+    """Each machine that locks up reaches a speed ratio of 1 exactly."""
     text = SPEC.replace("[search]", "end_ratio = { speed = 9, minimum = 1 }\n[search]")
     judge = Judge(read(text), UNITS | {"end_ratio": "1"})
 
@@ -327,7 +327,7 @@ def test_tightest_limit_can_be_exceeded(read):
     rows = [design(22.0, 1.0), design(15.0, 0.5), design(30.0, 1.0), design(40.0, 1.0, 60.0)]
     assert judge.tightest(rows[0]).startswith("end_ratio")
     assert judge.tightest(rows[0], rows).startswith("stall_torque")
-    # a design that violates it has it as its limit
+    # The tightest limit of a design outside the limits is the violated limit.
     assert judge.tightest(design(22.0, 0.5), rows).startswith("end_ratio")
 
 
@@ -366,7 +366,7 @@ BEVEL = [
 
 
 def farthest(values):
-    """Largest distance of an imbalance from the central axis, m, of many drive angles."""
+    """Return the largest distance of an imbalance from the central axis over many drive angles, m."""
     module = Module("plain")
     module.check(**values)
     places = (imbalance_position(module.derived, 0.03 * n, 0.0) for n in range(10_000))
@@ -375,7 +375,7 @@ def farthest(values):
 
 @pytest.mark.parametrize("values", BEVEL)
 def test_envelope_of_bevel_gears_includes_imbalance_and_rim(values):
-    # a whole number of teeth: in time an imbalance passes all angles of its satellite anywhere
+    # Over time an imbalance passes all angles of its satellite at every position.
     reached = max(farthest(values), farthest({**values, "a": 1.0, "b": 1.0}))
     assert SteadyMechanism(values).envelope_diameter / 2.0 == pytest.approx(reached, rel=2e-3)
     assert SteadyMechanism(values).envelope_diameter / 2.0 >= reached * (1.0 - 1e-12)

@@ -1,4 +1,4 @@
-"""Step-size control: the error norm, the next size, and the energy check of each internal step."""
+"""Test step-size control: the error norm, the next size, and the energy check of each internal step."""
 
 import math
 
@@ -11,7 +11,7 @@ from inertia_module.kernel.events import advance, error, stages, step_size
 from inertia_module.kernel.fields import WORKSPACE
 from inertia_module.model import Module
 
-# link 2 overtakes the output within its engagement angle; the error estimate of one step is far too small
+# Link 2 overtakes the output within its engagement angle; the error estimate of one step is far too small.
 OVERTAKING = {
     **{
         "z2": 16,
@@ -30,7 +30,7 @@ OVERTAKING = {
 
 
 def single_step(pair, h=1e-3):
-    """Constants, state and workspace after one step of the bevel module by a pair."""
+    """Return constants, state and workspace after one step of the bevel module by a pair."""
     module = started("plain", SCENES["bevel"], omega_out_start=30.0, omega2_start=20.0)
     d, x, w = module.derived, module.state, record_type(WORKSPACE)()
     w.load, w.tolerance = x.load_torque, d.tolerance

@@ -1,4 +1,4 @@
-"""The summary of a run as text: shape, units, digits and warnings."""
+"""Test the summary of a run as text: shape, units, digits and warnings."""
 
 import re
 

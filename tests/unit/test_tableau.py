@@ -1,4 +1,4 @@
-"""Order conditions, order of convergence and dense output of the Runge-Kutta pairs, and their flat tables."""
+"""Test order conditions, convergence and dense output of the Runge-Kutta pairs, and their flat tables."""
 
 import dataclasses
 import math
@@ -16,7 +16,7 @@ SIGMAS = [0.0, 0.17, 0.5, 0.83, 1.0]
 
 
 def grafted(tree):
-    """All trees that one more leaf makes of a rooted tree, which is the sorted tuple of its branches."""
+    """Return all trees with one more leaf than a rooted tree, which is the sorted tuple of its branches."""
     yield tuple(sorted((*tree, ())))
     for n, branch in enumerate(tree):
         for larger in grafted(branch):
@@ -25,7 +25,7 @@ def grafted(tree):
 
 @cache
 def trees(order):
-    """All rooted trees with this number of vertices."""
+    """Return all rooted trees with this number of vertices."""
     return sorted({larger for tree in trees(order - 1) for larger in grafted(tree)}) if order > 1 else [()]
 
 
@@ -34,7 +34,7 @@ def size(tree):
 
 
 def density(tree):
-    """gamma(t) of Hairer, Norsett and Wanner I, II.2."""
+    """Return gamma(t) of Hairer, Norsett and Wanner I, II.2."""
     return size(tree) * math.prod(map(density, tree))
 
 
@@ -46,17 +46,17 @@ def matrix(pair):
 
 
 def elementary_weight(a, tree):
-    """Vector of the elementary weights of a tree at all stages."""
+    """Return the vector of the elementary weights of a tree at all stages."""
     return math.prod((a @ elementary_weight(a, branch) for branch in tree), start=np.ones(len(a)))
 
 
 def polynomial_rates(nodes, power):
-    """Rates at the nodes whose integral is t^(power + 1)."""
+    """Return rates at the nodes whose integral is t^(power + 1)."""
     return [(power + 1) * node**power for node in nodes]
 
 
 def step_of_exponential(row, last, h, count):
-    """Rates at the stages of one step of y' = y from 1, by the flat table."""
+    """Return the rates at the stages of one step of y' = y from 1, by the flat table."""
     rates = []
     for n in range(count):
         rates.append(1.0 + h * tableau.weighted_sum(row + n, n, rates))
@@ -107,7 +107,7 @@ def test_dense_output_is_of_order_7_on_the_exponential():
         errors.append(
             max(abs(1.0 + tableau.dense_change(dense, sigma) - math.exp(sigma * h)) for sigma in SIGMAS[1:4])
         )
-    # the error of one step is of order 8
+    # The error of one step is of order 8.
     assert math.log2(errors[0] / errors[1]) == pytest.approx(8.0, abs=0.5)
 
 
@@ -125,7 +125,7 @@ def test_dense_output_is_exact_for_polynomials(power, sigma):
 
 
 def changed(value, place):
-    """A nested tuple or dict of numbers, with the number at this place off by 1e-9 of its size."""
+    """Return a nested tuple or dict of numbers; the number at this place changes by 1e-9 of its size."""
     if not place:
         return value + 1e-9 * max(1.0, abs(value))
     key, *rest = place

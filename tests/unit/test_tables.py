@@ -1,4 +1,4 @@
-"""Test tables from CSV files of rigs and spreadsheets: read correctly, or rejected in a sentence."""
+"""Test tables from CSV files of rigs and spreadsheets: correct values, or a one-sentence error."""
 
 import math
 import tomllib
@@ -37,9 +37,9 @@ def test_ambiguous_table_is_rejected(tmp_path):
         assert "\n" not in str(refused.value)
 
 
-# cells of a column omega1; separator; the numbers, or words of the error and its line
+# Cells of a column omega1; separator; the numbers, or words of the error and its line.
 ONE_MEANING = [
-    # groups of three digits and decimals in a comma-separated file
+    # Groups of three digits and decimals in a comma-separated file.
     (["900", '"1,200"'], ",", [900.0, 1200.0]),
     (['"1,200.5"', "-900.25"], ",", [1200.5, -900.25]),
     (['"1,234,567"', "0"], ",", [1234567.0, 0.0]),
@@ -47,14 +47,14 @@ ONE_MEANING = [
     (["101.500", "1.200"], ",", [101.5, 1.2]),
     (["12000", "1.200"], ",", [12000.0, 1.2]),
     (["900", "1.2e3"], ",", [900.0, 1200.0]),
-    # decimal commas, and groups that only they allow
+    # Decimal commas, and digit groups that are valid only with them.
     (["0,5", "1,200"], ";", [0.5, 1.2]),
     (["1.234,5", "1.200"], ";", [1234.5, 1200.0]),
     (["1.234.567", "900"], ";", [1234567.0, 900.0]),
     (["1,234,567", "900"], ";", [1234567.0, 900.0]),
     (["1,200.5", "900"], ";", [1200.5, 900.0]),
     (["1,5e-3", "-2"], "\t", [0.0015, -2.0]),
-    # signs that are never decimal signs
+    # Signs that are never decimal signs.
     (["1 200", "900"], ";", [1200.0, 900.0]),
     (["1\u00a0200,5", "900"], ";", [1200.5, 900.0]),
     (["1\u202f200.5", "900"], ",", [1200.5, 900.0]),
@@ -121,7 +121,7 @@ def test_numbers_with_no_or_two_meanings_are_rejected_with_their_line(
 @pytest.mark.parametrize(
     ("time", "cells", "numbers"),
     [
-        # the time column decides, where the form of the column agrees
+        # If the form of the column agrees, the time column decides.
         ("0,5", ["900", "1.200"], [900.0, 1200.0]),
         ("0.5", ["900", "1.200"], [900.0, 1.2]),
         ("0.5", ["900", "1,200"], [900.0, 1200.0]),
@@ -129,7 +129,7 @@ def test_numbers_with_no_or_two_meanings_are_rejected_with_their_line(
         ("0.5", ["1.300", "1.200"], [1.3, 1.2]),
         ("0,5", ["1.300", "1.200"], None),
         ("0.5", ["1,300", "1,200"], None),
-        # three decimals in each row
+        # Three decimals in each row.
         ("1", ["1.300", "1.200"], [1.3, 1.2]),
         ("1", ["1,300", "1,200"], [1.3, 1.2]),
         ("1.500", ["1.300", "1.200"], [1.3, 1.2]),
@@ -146,7 +146,7 @@ def test_other_columns_decide_between_decimals_and_groups(tmp_path, separator, t
         assert table["omega1"].tolist() == numbers
 
 
-# files with more in them than a table
+# Files that contain more than a table.
 MORE = {
     "comments": "# rig 3\ntime,omega1\n% at 20 °C\n0,100\n// pause\n0.5,101.5\n1,-2.5e-3\n# end\n",
     "headings as a comment": "# time,omega1\n0,100\n0.5,101.5\n1,-2.5e-3\n",

@@ -47,7 +47,7 @@ def test_table_outside_the_run_is_rejected_with_both_ranges(times, stop_time, wo
 @pytest.mark.parametrize(
     ("times", "stop_time", "words"),
     [
-        # ms without a unit
+        # Milliseconds without a unit.
         (
             60_000.0 * RECORD,
             60.0,
@@ -65,7 +65,7 @@ def test_table_outside_the_run_is_rejected_with_both_ranges(times, stop_time, wo
         (0.4 + RECORD, 1.0, ""),
         (RECORD, 1.9, ""),
         (RECORD - 0.5, 1.0, ""),
-        # drawn by hand
+        # Points from a manual curve.
         (np.array([0.0, 1.0]), 60.0, ""),
         (np.array([50.0, 51.0]), 60.0, ""),
         (np.array([5.0, 5.0]), 60.0, ""),

@@ -1,4 +1,4 @@
-"""The language of the kernel: each construct gives the same bits in C, everything else is rejected."""
+"""Test the language of the kernel: each construct gives the same bits in C; other constructs are rejected."""
 
 import ctypes
 import importlib.util
@@ -33,7 +33,7 @@ def new_translator():
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
-    """A shared library with all functions of kernel_language."""
+    """Return a shared library with all functions of kernel_language."""
     pytest.importorskip("ziglang", reason="ziglang is not installed")
     translator = new_translator()
     record = translator.record(language.RECORD)
@@ -62,7 +62,7 @@ def test_a_construct_gives_the_same_bits_in_c(function, library):
         assert bytes(record) == bytes(in_python), (a, b, n)
 
 
-# a statement in a function f(a, n, x), and a part of the message
+# A statement in a function f(a, n, x), and a part of the message.
 OUTSIDE = {
     "y = [a, a]": "List|\\[a, a\\]",
     "y = {1: a}": "outside the language",
@@ -154,7 +154,7 @@ def f(a, n, x):
 
 
 def function_of(statement, tmp_path, monkeypatch):
-    """The function f of a module with a statement in it."""
+    """Return the function f of a module that contains this statement."""
     path = tmp_path / "outside_language.py"
     path.write_text(MODULE.format(statement=statement))
     spec = importlib.util.spec_from_file_location(f"outside_language_{abs(hash(statement))}", path)
@@ -184,8 +184,8 @@ def test_a_construct_outside_the_language_is_rejected(statement, tmp_path, monke
 @pytest.mark.parametrize(
     "statement",
     [
-        "y = bump(x) + a",  # nothing else reads the record
-        "y = bump(x) > 1.0 and x.first > 2.0",  # and is evaluated from left to right
+        "y = bump(x) + a",  # No other expression reads the record.
+        "y = bump(x) > 1.0 and x.first > 2.0",  # The evaluation goes from left to right.
         "y = bump(x) if a > 0.0 else x.first",
         "x.first = bump(x)",
         "a += bump(x)",
@@ -204,7 +204,7 @@ def test_comments_and_docstrings_stay(tmp_path, monkeypatch):
 
 
 def test_the_same_source_gives_the_same_text():
-    """In processes with other orders of sets."""
+    """Processes with other hash seeds have other orders of sets."""
     command = [sys.executable, "-m", "inertia_module.compiling.translate", DRIVEN_SHAFT.name]
     texts = [
         subprocess.run(

@@ -59,7 +59,7 @@ def test_rates_agree_with_the_following_motion(compiled, scene):
 
 
 def test_jump_of_the_prescribed_ratio_is_an_impulse(compiled):
-    moment = 1e-13  # s: too short for anything but the jump
+    moment = 1e-13  # s; only the jump has an effect in this time
     p = parameters(fidelity=0, kinematic_ratio=0.3, drive_angle_start=1.0)
     module, k = started(compiled, p, omega1=100.0), ratio(p)
     i, _, b, _, g, _ = direct_sums(p, 1.0)

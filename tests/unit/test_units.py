@@ -1,4 +1,4 @@
-"""Units as engineers write them, and the table of units in the documentation."""
+"""Test units in the usual notation, and the table of units in the documentation."""
 
 import re
 from pathlib import Path
@@ -11,7 +11,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "reference" / "quantities.md"
 
 RPM, POUND_FOOT = 0.10471975511965977, 1.3558179483314004
 
-# a unit as it is written, the SI unit, the factor between both
+# A unit as text, the SI unit, the factor between both.
 WRITTEN = [
     *((unit, "rad/s", RPM) for unit in ("1/min", "1 / min", "/min", "min-1", "min^-1", "min⁻¹", "(1/min)")),
     *((unit, "rad/s", RPM) for unit in ("U/min", "U min-1", "U·min⁻¹", "Umin", "Umin-1", "Umin⁻¹", "r/min")),
@@ -65,7 +65,7 @@ def test_a_unit_is_read_as_engineers_write_it(unit, si, factor):
         ("NM", "N.m", r"unknown unit 'NM'; did you mean 'Nm', 'kNm' or 'Nmm'\?$"),
         ("blink", "N.s", r"unknown unit 'blink'; available: N\.s$"),
         ("kg", "rad/s", "incompatible unit 'kg'; available: rad/s, rpm, "),
-        # rad/s or rev/s?
+        # The unit could be rad/s or rev/s.
         ("1/s", "rad/s", "incompatible unit '1/s'; available: .* rev/s"),
         ("Hz", "rad/s", "incompatible unit 'Hz'; available: rad/s"),
         ("lb", "N.m", r"incompatible unit 'lb'; available: N\.m"),

@@ -1,4 +1,4 @@
-"""Value references are part of the contract: other programs store them."""
+"""Test that value references stay the same, because other programs store them."""
 
 import tomllib
 from dataclasses import replace
@@ -15,17 +15,17 @@ PINNED = tomllib.loads(Path(__file__).with_name("value_references.toml").read_te
 
 
 def described(model, fmi):
-    """Value references by name in modelDescription.xml."""
+    """Return value references by name in modelDescription.xml."""
     root = etree.fromstring(model_description(model, model.name, "{guid}", "", fmi))
     path = "ModelVariables/ScalarVariable" if fmi == 2 else "ModelVariables/*"
     return {element.get("name"): int(element.get("valueReference")) for element in root.iterfind(path)}
 
 
 def structure(model, fmi):
-    """Names of unknowns and of their dependencies in the structure of the model."""
+    """Return names of unknowns and their dependencies in the structure of the model."""
     root = etree.fromstring(model_description(model, model.name, "{guid}", "", fmi))
     numbers = described(model, fmi)
-    if fmi == 2:  # places in the list, from 1
+    if fmi == 2:  # FMI 2.0 uses indices from 1.
         numbers = {name: place for place, name in enumerate(numbers, 1)}
     names = {str(number): name for name, number in numbers.items()}
     attribute = "index" if fmi == 2 else "valueReference"
@@ -56,7 +56,7 @@ def test_pinned_numbers_stay_and_new_ones_are_appended(model):
 
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_order_of_the_table_differs_from_the_value_references(model, fmi):
-    """A row may stand where it belongs: all others keep their numbers, in XML and in C."""
+    """A new row may be at any place in the table: other rows keep their numbers, in XML and in C."""
     *rows, last = model.variables
     changed = replace(model, variables=(*rows[:5], last, *rows[5:]))
     assert described(changed, fmi) == described(model, fmi)
@@ -75,6 +75,6 @@ def test_inserted_row_changes_no_value_reference(model, fmi):
     assert described(changed, fmi) == described(model, fmi) | {"new": row.reference}
     rows = rows_by_reference(changed, fmi)
     assert rows[: len(model.variables)] == list(rows_by_reference(model, fmi)[: len(model.variables)])
-    # the number of the time is not given away, and without it unused
+    # The number of the time is reserved, even if it is unused.
     assert rows[model.time.reference] == (model.time if fmi == 3 else None)
     assert rows[row.reference] == row

@@ -1,4 +1,4 @@
-"""The walk from doStep to the equations in docs/development.md agrees with the code."""
+"""Test that the walk from doStep to the equations in docs/development.md agrees with the code."""
 
 import ast
 import itertools

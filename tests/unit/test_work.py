@@ -1,4 +1,4 @@
-"""Steps, rates and states that would take work without a bound are rejected at once."""
+"""Test that steps, rates and states with unbounded work are rejected at once."""
 
 import math
 import time
@@ -10,20 +10,20 @@ from scenes import advanced, motions, started
 from inertia_module.kernel.inputs import MIN_STEP
 from inertia_module.model import NO_STATE, DrivenShaft, Module
 
-AT_ONCE = 0.2  # s of CPU time; a step that is given up takes some seconds
+AT_ONCE = 0.2  # s of CPU time; an interrupted step takes some seconds
 TOO_SHORT = (5e-324, 1e-300, 0.99 * MIN_STEP)
 
 
 @pytest.fixture(autouse=True)
 def quick():
-    """All calls of a test together take little CPU time."""
+    """Check that all calls of a test together take little CPU time."""
     begin = time.process_time()
     yield
     assert time.process_time() - begin < 10.0 * AT_ONCE
 
 
 def rejected_at_once(call, *arguments):
-    """The sentence of a call that is rejected."""
+    """Return the message of a rejected call."""
     begin = time.process_time()
     sentence = refusal(call, *arguments)
     assert time.process_time() - begin < AT_ONCE
@@ -102,5 +102,5 @@ def test_state_with_a_fractional_counter_is_rejected(compiled, field, number):
 
 def test_a_state_whose_parameters_do_not_go_together_is_rejected(compiled):
     module = advanced(started(compiled, omega1=100.0), 1e-3)
-    module.parameters.omega2_start = 1.0  # above the speed of the output shaft
+    module.parameters.omega2_start = 1.0  # The value exceeds the speed of the output shaft.
     assert rejected_at_once(Module(compiled).restore, module.save()) == NO_STATE

@@ -59,12 +59,12 @@ def test_positions_speeds_forces_and_moments_agree_with_the_chain(mechanism, alp
     assert complex(e.place) == pytest.approx(place * cmath.exp(-1j * m.b * alpha), abs=1e-11 * size)
     assert float(e.rho) == pytest.approx(abs(place), abs=1e-11 * size)
     assert float(e.V) == pytest.approx(abs(velocity), abs=1e-10 * max_speed)
-    # angles keep their quadrant
+    # Angles keep their quadrant
     assert math.cos(float(e.beta1) - cmath.phase(place / (place - pin))) == pytest.approx(1.0, abs=1e-12)
     if abs(velocity) > 1e-6 * max_speed:
         delta = cmath.phase(1j * place / velocity)
         assert math.cos(float(e.delta) - delta) == pytest.approx(1.0, abs=1e-12)
-    # the sum of the inertia forces is -m a; moments follow from it
+    # The sum of the inertia forces is -m a; moments follow from it
     force = -m.m * acceleration
     total = (e.F1 + e.Fk) * (place - pin) / m.arm + float(e.F2) * place / abs(place)
     bound = m.m * OMEGA**2 * (m.arm * (1 + m.b) ** 2 + m.b**2 * m.centre_distance)
@@ -73,7 +73,7 @@ def test_positions_speeds_forces_and_moments_agree_with_the_chain(mechanism, alp
         (e.M1, cross(place - pin, force)),
         (e.M, cross(place, force)),
         (e.M - e.M1, cross(pin, force)),
-        # equations 9 and 10, corrected
+        # Equations 9 and 10, corrected.
         (e.F2 * e.n2, e.M1),
         (-(e.F1 + e.Fk) * e.n1, e.M),
     ):
@@ -85,7 +85,7 @@ def test_positions_speeds_forces_and_moments_agree_with_the_chain(mechanism, alp
 def test_drive_and_fixed_wheel_balance_energy_and_momentum(mechanism, alpha, omega_rate):
     m, e = mechanism, exact(mechanism, alpha, OMEGA, omega_rate=omega_rate)
     place, velocity, acceleration, _ = imbalance_motion(m, alpha, omega_rate)
-    # carrier and wheel in the fixed frame
+    # Carrier and wheel in the fixed frame
     inertias, speeds = np.array([m.J_carrier, m.J_wheel]), np.array([m.b, 1.0 + m.b])
     energy = 0.5 * (m.m * abs(velocity) ** 2 + inertias @ (speeds * OMEGA) ** 2)
     power = m.m * (velocity.conjugate() * acceleration).real + inertias @ speeds**2 * OMEGA * omega_rate
@@ -97,7 +97,7 @@ def test_drive_and_fixed_wheel_balance_energy_and_momentum(mechanism, alpha, ome
     momentum = inertias @ speeds * OMEGA + m.m * cross(place, velocity)
     scale = torque_scale(m) / min(m.b, 1.0)
     assert float(e.angular_momentum) == pytest.approx(momentum, abs=1e-9 * scale / OMEGA)
-    # external torques are the drive and the fixed wheel. The drive power is minus the power of the inertia
+    # External torques are the drive and the fixed wheel. The drive power is minus the power of the inertia
     # forces. With forces moved to the pin, it uses the absolute speed of the wheel.
     for actual, expected, bound in (
         (e.drive_torque + e.M1 / m.b, m.m * cross(place, acceleration), 1.0),
@@ -111,7 +111,7 @@ def test_drive_and_fixed_wheel_balance_energy_and_momentum(mechanism, alpha, ome
 def test_results_are_finite_at_degenerate_dimensions():
     angle = np.linspace(-7.0, 7.0, 57)
     for mechanism in (
-        Mechanism(1.0, 1.0, 2.0, 1.0),  # the imbalance passes through O
+        Mechanism(1.0, 1.0, 2.0, 1.0),  # The imbalance passes through O
         Mechanism(1.0, 1e-9, 1e-12, 1.0),
         Mechanism(1e-9, 1.0, 1.0, 1.0),
         Mechanism(1.0, 1.0, 1.0, 1.0),
@@ -141,10 +141,10 @@ def test_free_mechanism_has_no_drive_torque(mechanism):
 
 
 def test_drive_power_is_the_rate_of_energy_and_lift_plus_losses():
-    # at the ends of the steps over a turn of the carrier
+    # At the ends of the steps over a turn of the carrier
     alpha, step = np.linspace(0.0, 2.0 * np.pi / EXAMPLE.b, lysenko.STEPS + 1), lysenko.TURN / lysenko.STEPS
     e, loss, power = exact(EXAMPLE, alpha, EXAMPLE_SPEED), lysenko.LOSSES, lysenko.drive_power(EXAMPLE)
-    # link 2 has the largest inertia in range and still moves a little
+    # Link 2 has the largest inertia in range and still moves a little
     assert power == pytest.approx(np.diff(e.kinetic_energy) / step, abs=1e-6 * power.max())
     lift_power = lysenko.drive_power(EXAMPLE, gravity=9.81) - power
     height = (e.place * np.exp(1j * EXAMPLE.b * alpha)).real
@@ -152,7 +152,7 @@ def test_drive_power_is_the_rate_of_energy_and_lift_plus_losses():
     viscous = loss["input_friction"] * lysenko.CARRIER_SPEED**2 + loss["drive_friction"] * EXAMPLE_SPEED**2
     journal = loss["journal_friction"] * np.abs(e.force[:-1]).mean() * EXAMPLE_SPEED
     mesh = (1.0 - loss["mesh_efficiency"]) * np.abs(e.M1[:-1]).mean() / EXAMPLE.b * lysenko.CARRIER_SPEED
-    # the mesh also transmits the losses of journal and wheel
+    # The mesh also transmits the losses of journal and wheel
     assert lysenko.drive_power(EXAMPLE, **loss).mean() == pytest.approx(viscous + journal + mesh, rel=0.01)
 
 
@@ -163,13 +163,13 @@ def test_mesh_loss_is_a_share_of_the_transmitted_power():
     for speed, share in zip((1.0, exact(m, alpha).free_speed), shares, strict=True):
         square = (m.b * speed) ** 2 * np.ones_like(alpha)
         acceleration = 0.5 * np.gradient(square, m.b * alpha)
-        # by links.py with omega2 = 0: k ((k G + B) alpha1 - I' omega1^2 / 2)
+        # By links.py with omega2 = 0: k ((k G + B) alpha1 - I' omega1^2 / 2)
         torque = ((m.J_wheel + m.m * m.arm**2) / m.b + inertia) * acceleration
         torque -= m.m * m.arm * m.centre_distance * np.sin(alpha) * square
         lost = (1.0 - lysenko.LOSSES["mesh_efficiency"]) * np.trapezoid(np.abs(torque) / m.b, alpha)
         time = 1.0 / speed * np.ones_like(alpha)
         energy = 0.5 * exact(m, alpha).J_red * square
         mean = np.trapezoid(energy * time, alpha) / np.trapezoid(time, alpha)
-        # three cycles per turn, each m.b of a turn; in free motion the energy decreases by some percent per
+        # Three cycles per turn, each m.b of a turn; in free motion the energy decreases by some percent per
         # cycle
         assert share == pytest.approx(lost / mean, rel=0.03)

@@ -1,4 +1,4 @@
-"""Each peer integrates the same mechanism: it agrees with the kernel within its own error."""
+"""Test the peers: each one agrees with the kernel within its own error."""
 
 import functools
 
@@ -22,12 +22,12 @@ both = pytest.mark.parametrize("name", ["R1", "planar"])
 
 @functools.cache
 def kernel_trajectory(name):
-    """Trajectory by the converged kernel."""
+    """Return the trajectory of the converged kernel."""
     return converged(CASES[name])
 
 
 def run(case, setting, method, stiffness=None):
-    """The trajectory, or a skip that says which library is missing."""
+    """Return the trajectory; skip the test if a library is missing."""
     try:
         if method in ("Euler", "RK4"):
             return mujoco_model.simulate(case, setting, method)
@@ -37,23 +37,23 @@ def run(case, setting, method, stiffness=None):
 
 
 def distances(name, *settings):
-    """Trajectory of a case and its largest differences from the kernel in q, omega2 and omega3, relative."""
-    found, exact = run(CASES[name], *settings), kernel_trajectory(name)
-    largest = exact.omega_out.max()
-    scales = abs(exact.motion[:, 0]).max(), largest, largest
-    return found, np.abs(found.motion - exact.motion).max(axis=0) / scales
+    """Return the trajectory of a case, and its maximum relative errors of q, omega2 and omega3."""
+    trajectory, exact = run(CASES[name], *settings), kernel_trajectory(name)
+    max_speed = exact.omega_out.max()
+    scales = abs(exact.motion[:, 0]).max(), max_speed, max_speed
+    return trajectory, np.abs(trajectory.motion - exact.motion).max(axis=0) / scales
 
 
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("method", ["DOP853", "RK45", "LSODA", "Adams", "BDF"])
-def test_integrators_with_exact_events_follow_the_kernel_and_meet_the_same_events(name, method):
-    found, off = distances(name, 1e-10 if method in ("Adams", "BDF") else 1e-9, method)
-    assert max(off) < 1e-6
-    assert found.switches == kernel_trajectory(name).switches
+def test_integrators_with_event_location_agree_with_the_kernel(name, method):
+    trajectory, errors = distances(name, 1e-10 if method in ("Adams", "BDF") else 1e-9, method)
+    assert max(errors) < 1e-6
+    assert trajectory.switches == kernel_trajectory(name).switches
 
 
 @both
-def test_a_tighter_tolerance_is_nearer_the_kernel_and_a_stiffer_clutch_slips_less(name):
+def test_tighter_tolerance_and_stiffer_clutch_reduce_the_error(name):
     for errors in (
         [max(distances(name, tolerance, "BDF")[1]) for tolerance in (1e-5, 1e-7, 1e-9)],
         [distances(name, 1e-9, "odeint", stiffness)[1][1] for stiffness in (1e2, 1e3, 1e4)],
@@ -70,25 +70,25 @@ def test_a_tighter_tolerance_is_nearer_the_kernel_and_a_stiffer_clutch_slips_les
         ("planar", "BDF", 1e-9, 1e3),
     ],
 )
-def test_stiff_methods_agree_on_the_clutches(name, method, tolerance, stiffness):
+def test_stiff_methods_agree_with_clutches(name, method, tolerance, stiffness):
     case = CASES[name] if method == "BDF" else Case(stop_time=0.02, points=4)
-    one, other = run(case, 1e-9, "odeint", stiffness), run(case, tolerance, method, stiffness)
-    assert other.omega_out == pytest.approx(one.omega_out, abs=1e-5 * one.omega_out.max())
+    odeint, solver = run(case, 1e-9, "odeint", stiffness), run(case, tolerance, method, stiffness)
+    assert solver.omega_out == pytest.approx(odeint.omega_out, abs=1e-5 * odeint.omega_out.max())
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_a_mujoco_model_with_gears_and_freewheels_as_constraints_comes_near_the_kernel(name):
-    off = distances(name, 5e-5, "RK4")[1]
-    assert max(off) < 2e-3
+def test_mujoco_model_agrees_with_the_kernel(name):
+    errors = distances(name, 5e-5, "RK4")[1]
+    assert max(errors) < 2e-3
     if name in ("R1", "planar"):
-        assert off[2] < min(1e-3, distances(name, 1e-3, "RK4")[1][2])
+        assert errors[2] < min(1e-3, distances(name, 1e-3, "RK4")[1][2])
 
 
-def test_an_impact_at_the_end_of_the_play_is_that_at_a_limit_in_mujoco(compiled):
-    """Link 2 turns back from rest until it is caught; link 1 is light, and answers."""
+def test_impact_at_the_end_of_the_engagement_angle_equals_a_limit_in_mujoco(compiled):
+    """Link 2 turns backwards from rest until the freewheel engages; link 1 is light and its speed changes."""
     engine, step = pytest.importorskip("mujoco"), 1e-6
     scene = DRIVEN["planar"] | {"satellites": 1, "input_inertia": 0.002, "drive_torque": 0.0}
-    # (a speed that is none, so that it has overrun), and the output overruns throughout
+    # omega2_start is tiny, so that the freewheel has overrun; the output overruns all the time
     scene |= {"housing_engagement_angle": 0.02, "omega2_start": 1e-9, "omega_out_start": 500.0}
     module = started(compiled, scene, drive_angle_start=1.5, load_torque=0.0)
     before = module["energy_stored"]
@@ -121,22 +121,22 @@ def test_an_impact_at_the_end_of_the_play_is_that_at_a_limit_in_mujoco(compiled)
     "parameters",
     [{"fidelity": 0}, {"fidelity": 3}, {"a": 1.0, "link2_inertia": 0.0}, {"link2_friction": 0.1}],
 )
-def test_a_case_that_is_not_for_them_is_refused_in_one_line(parameters):
+def test_unsupported_case_is_rejected_in_one_line(parameters):
     for simulate, *settings in (
         (integrators.simulate, 1e-6, "DOP853"),
         (integrators.simulate, 1e-6, "BDF"),
         (mujoco_model.simulate, 1e-3, "Euler"),
     ):
-        with pytest.raises((UnavailableError, MissingDependencyError)) as refused:
+        with pytest.raises((UnavailableError, MissingDependencyError)) as error:
             simulate(Case(parameters), *settings)
-        assert "\n" not in str(refused.value)
-    with pytest.raises((UnavailableError, MissingDependencyError), match=r"leaves one out|not installed"):
+        assert "\n" not in str(error.value)
+    with pytest.raises((UnavailableError, MissingDependencyError), match=r"require both|not installed"):
         integrators.simulate(CASES["no output freewheel"], 1e-6, "odeint", 1e4)
 
 
-def test_every_peer_and_setting_is_there_once_and_integrates_a_case():
+def test_settings_of_peers_are_unique_and_integrate_a_case():
     assert len({(name, label) for name, label, _ in PEERS}) == len(PEERS)
-    # of each the loosest, which comes first
+    # the first setting of each peer, which is the loosest
     for integrate in {name: integrate for name, _, integrate in reversed(PEERS)}.values():
         try:
             assert integrate(Case(stop_time=0.002, points=2)).omega_out.shape == (3,)

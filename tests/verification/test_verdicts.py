@@ -1,4 +1,4 @@
-"""The study gives a module with a planted fault a bad verdict and names the fault."""
+"""Test that the study gives a module with a planted fault a bad verdict and names the fault."""
 
 import math
 from dataclasses import replace
@@ -26,7 +26,7 @@ def reject_short_steps(module, step_size):
 
 @pytest.fixture(scope="module")
 def sound():
-    """The trial of a sound module."""
+    """Return the trial of a sound module."""
     return verdicts.try_case(CASE)
 
 
@@ -39,21 +39,21 @@ def test_sound_module_at_ordinary_values_is_exact(sound):
 @pytest.mark.parametrize(
     "planted, outcome, reason",
     [
-        # neither a result nor a valid rejection
+        # Neither a result nor a valid rejection
         (showing(input_torque=math.nan), "broken", "not finite"),
         (showing(imbalance_acceleration_z=math.inf), "broken", "not finite"),
         (raising(ZeroDivisionError("float division by zero")), "broken", "ZeroDivisionError"),
         (raising(OverflowError("too large")), "broken", "OverflowError"),
         (faulty(reject_short_steps), "broken", "short steps"),
         (raising(ParameterError("omega1 is rejected: for no reason")), "broken", "changed the state"),
-        # a violated bound, which the verdict names
+        # A violated bound, which the verdict names
         (showing(energy_residual=1.0), "degraded", "energy residual"),
         (showing(omega2=-1e-3), "degraded", "0 <= omega2 <= omega3"),
         (showing(housing_torque=-1.0), "degraded", "Th, Tc >= 0"),
         (showing(output_torque=-1.0), "degraded", "Th, Tc >= 0"),
         (showing(rhs_evaluations=1e7), "degraded", "work"),
         (showing(omega_out=lambda module, step: step), "degraded", "long against short steps"),
-        # an error of all step sizes, which only the tightened run shows
+        # An error of all step sizes, which only the tightened run shows
         (
             showing(energy_out=lambda m, _: m["energy_out"] * (1.0 + 1e5 * m["tolerance"])),
             "degraded",
@@ -72,7 +72,7 @@ def test_rejection_is_a_verdict_with_its_reason(monkeypatch):
     assert at_start.outcome == "rejected"
     assert "link2_inertia must be above 1e-12 of the maximum " in at_start.reason
     assert verdicts.cause(at_start.reason).startswith("The inertia at link 2 vanishes")
-    # after a rejected step the module continues; a small limit of evaluations in plain Python makes it fast
+    # After a rejected step the module continues; a small limit of evaluations in plain Python makes it fast
     monkeypatch.setattr(engine, "MAX_EVALUATIONS", 1e4)
     too_long = Motion(LEVEL.values, (Segment(1e4, 1e5, 1e7),))
     rejected = verdicts.judge(verdicts.try_case(replace(CASE, motion=too_long), lambda: Module("plain")))
@@ -94,7 +94,7 @@ def test_bounds_scale_with_the_tolerance_and_have_a_maximum():
 
 
 def changed_end(trial, **changes):
-    """The trial with another end of its tight run, and other fields."""
+    """Return the trial with another end of its tight run, and other fields."""
     end = {**trial.tight.end, "omega_out": trial.tight.end["omega_out"] + 0.5 * trial.tight.speed}
     return replace(trial, tight=replace(trial.tight, end=end), **changes)
 

@@ -58,6 +58,7 @@ KINDS = {
     ("papers", ".toml"): "Scenes of the source papers",
     ("examples", ".ipynb"): "Notebook",
     ("examples", ".py"): "Programs",
+    ("control", ".py"): "Programs with python-control",
     ("studies", ".py"): "Programs that run scenes",
 }
 

@@ -118,10 +118,10 @@ def candidate_keys(scene: Scene, data: Measurement, excluded: Collection[str]) -
         excluded: names of free and of exact keys.
     """
     keys = [key for key in data.sensors.values() if key.name != CLOCK or len(data.columns) > 1]
-    for one in VARIABLES:
-        if one.causality == PARAMETER and one.kind == REAL and one.group in GROUPS:
-            key = key_of_scene(f"{MECHANISM}{one.name}", scene)
-            keys += [key] if key.start or one.group in ZERO_GROUPS else []
+    for variable in VARIABLES:
+        if variable.causality == PARAMETER and variable.kind == REAL and variable.group in GROUPS:
+            key = key_of_scene(f"{MECHANISM}{variable.name}", scene)
+            keys += [key] if key.start or variable.group in ZERO_GROUPS else []
     for part in ("drive", "load"):
         numbers = [name for name, value in getattr(scene, part) if isinstance(value, float) and value]
         keys += [key_of_scene(f"{part}.{name}", scene) for name in numbers]
@@ -173,9 +173,9 @@ def _sums_of_squares(optimum: Optimum) -> tuple[Array, float]:
 
 def _effective_numbers(optimum: Optimum) -> Array:
     """Return the number of effectively independent rows of each column (Bartlett 1935), shape (columns,)."""
-    lag_one = np.maximum([autocorrelation(part) for part in optimum.parts[:-1]], 0.0)
+    lag_1 = np.maximum([autocorrelation(part) for part in optimum.parts[:-1]], 0.0)
     number = optimum.problem.rig.data.counted.sum(axis=0)
-    return np.asarray(number * (1.0 - lag_one) / (1.0 + lag_one))
+    return np.asarray(number * (1.0 - lag_1) / (1.0 + lag_1))
 
 
 def likelihood_ratio(restricted: Optimum, full: Optimum) -> float:
@@ -204,10 +204,10 @@ def f_test(restricted: Optimum, full: Optimum) -> float:
 
 def causes(candidates: Sequence[Candidate]) -> list[Candidate]:
     """Return the best candidate and those that the data do not exclude; none if that may be chance."""
-    best = max(candidates, key=lambda one: one.likelihood_ratio, default=None)
+    best = max(candidates, key=lambda candidate: candidate.likelihood_ratio, default=None)
     if best is None or best.p_value > SIGNIFICANCE:
         return []
-    return [one for one in candidates if one.likelihood_ratio > best.likelihood_ratio - TIE]
+    return [candidate for candidate in candidates if candidate.likelihood_ratio > best.likelihood_ratio - TIE]
 
 
 def release_candidates(
@@ -280,7 +280,7 @@ def _candidate(restricted: Optimum, full: Optimum, p_value: float) -> Candidate:
         chi_squared=(before, after),
         likelihood_ratio=likelihood_ratio(restricted, full),
         p_value=p_value,
-        values={one.name: values[one.name] for one in restricted.problem.keys},
+        values={key.name: values[key.name] for key in restricted.problem.keys},
         is_systematic=full.is_systematic,
         is_separable=collinearity(restricted, full) < MAX_COLLINEARITY,
         optimum=full,

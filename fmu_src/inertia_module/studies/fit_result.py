@@ -163,7 +163,9 @@ class FitResult(ByContent):
 
     def __getitem__(self, name: str) -> Fitted:
         """Return a fitted key by its dotted name or, of the mechanism, by its bare name."""
-        return next(one for one in self.parameters if name in (one.name, one.name.rpartition(".")[2]))
+        return next(
+            fitted for fitted in self.parameters if name in (fitted.name, fitted.name.rpartition(".")[2])
+        )
 
     @property
     def causes(self) -> list[Candidate]:
@@ -173,7 +175,8 @@ class FitResult(ByContent):
     @property
     def warnings(self) -> list[str]:
         """Warnings, in sentences."""
-        data, doubtful = self.measurement, {one.name: one.doubt for one in self.parameters if one.doubt}
+        data = self.measurement
+        doubtful = {fitted.name: fitted.doubt for fitted in self.parameters if fitted.doubt}
         lines = [*self.remarks, *(f"{name}: {text}" for name, text in doubtful.items())]
         if data.unused:
             lines.append(f"columns that the scene does not compute are not compared: {listed(data.unused)}")
@@ -215,7 +218,7 @@ class FitResult(ByContent):
             for name, value in first.values.items()
         )
         p_value = f"p = {first.p_value:.1g}" if first.p_value > 1e-15 else "p < 1e-15"
-        names = " or ".join(one.cause for one in self.causes)
+        names = " or ".join(cause.cause for cause in self.causes)
         rest = " in part; autocorrelated residuals remain" if first.is_systematic else ""
         return [
             f"{names} would explain the residuals{rest} (chi-squared {before:,.0f} → {after:,.0f},"
@@ -224,9 +227,13 @@ class FitResult(ByContent):
 
     def candidate_lines(self) -> dict[str, str]:
         """Return a line for each significant candidate and each that sets an end of an interval, by name."""
-        ends = {name for one in self.parameters for name in one.released}
-        printed = [one for one in self.candidates if one.name in ends or one.p_value < SIGNIFICANCE]
-        lines = {one.name: one.text for one in printed[:N_CANDIDATES]}
+        ends = {name for fitted in self.parameters for name in fitted.released}
+        printed = [
+            candidate
+            for candidate in self.candidates
+            if candidate.name in ends or candidate.p_value < SIGNIFICANCE
+        ]
+        lines = {candidate.name: candidate.text for candidate in printed[:N_CANDIDATES]}
         if self.inseparable:
             lines["not separately identifiable"] = f"{', '.join(self.inseparable)}, taken as exact"
         if len(self.scale) > 1:
@@ -238,7 +245,7 @@ class FitResult(ByContent):
         units = self.measurement.table.units
         content: dict[str, Any] = to_jsonable_python(
             {
-                "parameters": {one.name: one for one in self.parameters},
+                "parameters": {fitted.name: fitted for fitted in self.parameters},
                 "correlations": [[*pair, number] for pair, number in self.correlations.items()],
                 "noise": {
                     name: {"value": value, "unit": units[name], "estimated": name in self.estimated}
@@ -246,10 +253,13 @@ class FitResult(ByContent):
                 },
                 "chi_squared": self.chi_squared,
                 "candidates": [
-                    {one.name: getattr(candidate, one.name) for one in dataclasses.fields(candidate)[:-1]}
+                    {
+                        field.name: getattr(candidate, field.name)
+                        for field in dataclasses.fields(candidate)[:-1]
+                    }
                     for candidate in self.candidates
                 ],
-                "causes": [one.name for one in self.causes],
+                "causes": [cause.name for cause in self.causes],
                 "inseparable": self.inseparable,
                 "scale": self.scale,
                 "values": self.measurement.number,
@@ -264,11 +274,13 @@ class FitResult(ByContent):
     def lines(self) -> dict[str, str]:
         """Return the lines of the printed table, by heading."""
         lines = {}
-        for one in self.parameters:
-            lines[one.name], (low, high) = one.text, one.interval_if_exact
+        for fitted in self.parameters:
+            lines[fitted.name], (low, high) = fitted.text, fitted.interval_if_exact
             if math.isfinite(high - low):
-                excluded = f" around {one.value:.6g}; excluded by the data" if one.is_excluded else ""
-                lines[f"{one.name}, if everything else is exact"] = f"from {low:.6g} to {high:.6g}{excluded}"
+                excluded = f" around {fitted.value:.6g}; excluded by the data" if fitted.is_excluded else ""
+                lines[f"{fitted.name}, if everything else is exact"] = (
+                    f"from {low:.6g} to {high:.6g}{excluded}"
+                )
         for (first, second), number in self.correlations.items():
             lines[f"correlation of {first} and {second}"] = f"{number:.3f}"
         for name, value in self.noise.items():

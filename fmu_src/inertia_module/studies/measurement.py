@@ -156,7 +156,7 @@ def measurement(measured: Result | Path | str, scene: Scene, columns: Sequence[s
         run = f"within the run of the scene, 0 to {stop_time:g} s"
         span = f"{times[0]:.12g} to {times[-1]:.12g} s"
         raise ParameterError(f"{must_be('time', run, span)}: {likely_cause(float(times[0]))}")
-    units = SIGNAL_UNITS | scene.signal_units | {name: one.unit for name, one in BY_NAME.items()}
+    units = SIGNAL_UNITS | scene.signal_units | {name: variable.unit for name, variable in BY_NAME.items()}
     si_units = {name: units.get(name, "") or "1" for name in compared}
     si_units |= {f"{name}{NOISE}": si_units[name] for name in noisy}
     columns_read = {"time": times, **{name: table[name] for name in si_units}}

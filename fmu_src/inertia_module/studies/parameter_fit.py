@@ -112,10 +112,10 @@ def fit(
 
 def _check_number(data: Measurement, keys: int) -> None:
     """Reject a measurement with too few values for a number of free keys and the noise of its columns."""
-    least = keys + N_FREE_VALUES
+    minimum = keys + N_FREE_VALUES
     for name, number in zip(data.columns, data.counted.sum(axis=0).tolist(), strict=True):
-        if name not in data.noise and number < least:
-            allowed = f"at least {least} ({keys} free parameters, {N_FREE_VALUES} for the noise)"
+        if name not in data.noise and number < minimum:
+            allowed = f"at least {minimum} ({keys} free parameters, {N_FREE_VALUES} for the noise)"
             raise ParameterError(must_be(f"the number of measured values of {name}", allowed, str(number)))
     if data.number <= keys:
         allowed = f"greater than {keys}, the number of free parameters"
@@ -190,8 +190,8 @@ def _profiles(optimum: Optimum, progress: Progress) -> tuple[Optimum, list[tuple
         for number in range(optimum.point.size):
             progress(0.3 + 0.2 * number / optimum.point.size)
             ends.append((profile_end(optimum, number, -1), profile_end(optimum, number, 1)))
-        least, point = min((end.optimum for pair in ends for end in pair), key=lambda pair: pair[0])
-        if least > optimum.chi_squared - NEW_OPTIMUM:
+        chi_squared, point = min((end.optimum for pair in ends for end in pair), key=lambda pair: pair[0])
+        if chi_squared > optimum.chi_squared - NEW_OPTIMUM:
             break
         optimum = optimum.problem.minimise(point, optimum.steps).with_estimated_noise()
     return optimum, ends
@@ -242,7 +242,7 @@ def _run(
     candidates = release_candidates(
         best, candidate_keys(scene, data, values), start, lambda share: progress(0.5 + 0.4 * share)
     )
-    constants = {one.name: (one.nominal, one.unit) for one in candidates}
+    constants = {candidate.name: (candidate.nominal, candidate.unit) for candidate in candidates}
     constants |= {key.name: (key.start, key.unit) for key in keys if not key.deviation}
     fixed = {name: value for name, (value, unit) in constants.items() if value and has_mass(unit)}
     scale, scale_warning = _scale(best, fixed)
@@ -262,11 +262,16 @@ def _run(
         noise=dict(zip(names, np.sqrt(np.mean(best.problem.noise**2, axis=0)).tolist(), strict=True)),
         estimated=[name for name in names if name not in data.noise],
         chi_squared=best.chi_squared / best.freedom,
-        candidates=[one for one in candidates if one.is_separable],
-        inseparable=[one.name for one in candidates if not one.is_separable and not is_open],
+        candidates=[candidate for candidate in candidates if candidate.is_separable],
+        inseparable=[
+            candidate.name for candidate in candidates if not candidate.is_separable and not is_open
+        ],
         scale=scale,
         remarks=[warning for warning in warnings if warning],
-        searches=(sum(one.chi_squared <= 1.01 * optima[0].chi_squared for one in optima), len(optima)),
+        searches=(
+            sum(optimum.chi_squared <= 1.01 * optima[0].chi_squared for optimum in optima),
+            len(optima),
+        ),
         runs=rig.runs,
         converged=best.converged,
     )
@@ -281,7 +286,7 @@ def _fitted(best: Optimum, number: int, ends: tuple[End, End], candidates: Seque
     key, value, named = best.problem.keys[number], float(best.point[number]), causes(candidates)
     is_systematic = named[0].is_systematic if named else best.is_systematic
     is_explained = bool(named) and not is_systematic
-    models = [one for one in (named if is_explained else candidates) if one.is_separable]
+    models = [model for model in (named if is_explained else candidates) if model.is_separable]
     envelope = [("", end) for end in ends]
     is_open = [end.open for end in ends]
     if is_explained or not any(is_open):

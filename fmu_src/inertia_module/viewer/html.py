@@ -34,7 +34,7 @@ OPERATIONS = ("START", "STEP", "WARN")
 SAME = ("name", "group", "kind", "causality", "unit", "description", "start", "allowed", "nominal")
 COLUMNS = {**{name: name for name in SAME}, "tunable": "is_tunable", "min": "minimum", "max": "maximum"}
 # maximum count of numbers of a run in a file; uncompressed they need 1.5 MB
-MOST = 280_000
+MAX_NUMBERS = 280_000
 # function that combines the skipped rows with the next kept row, by the ending of the name
 OVER_ROWS: dict[str, Callable[..., Any]] = {"_mean": np.mean, "_peak": np.max}
 
@@ -202,7 +202,7 @@ def page_run(record: Result, warnings: tuple[str, ...] = ()) -> dict[str, Any]:
         warnings: Warnings of the FMU.
     """
     names = [name for name in record.names if name != "time"]
-    stride = -(-len(record) * len(names) // MOST)
+    stride = -(-len(record) * len(names) // MAX_NUMBERS)
     columns = []
     for name in names:
         # Step means are averaged since the previous kept row; of peaks the maximum is kept.
