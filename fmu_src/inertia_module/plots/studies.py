@@ -81,8 +81,10 @@ def chart_figure(
     for axes, (name, steady_map) in zip(map_panels, maps.items(), strict=False):
         axes.set_title(f"efficiency of {name}")
         _efficiency(axes, steady_map, speed_unit)
-    for axes in map_panels[len(maps) :]:
-        axes.remove()
+    if len(maps) % 2:  # the last map fills its row
+        map_panels[-1].remove()
+        grid = map_panels[-2].get_gridspec()
+        map_panels[-2].set_subplotspec(grid[-1, :])
     return figure
 
 
