@@ -24,8 +24,8 @@ SHAFT = EXAMPLES / "papers" / "stelmashchuk_stepping.toml"
 CROWDED = ("satellites=6", "a=1.5", "mesh_efficiency=98 %", "run.stop_time=0.1 s")
 STALLED = ("load.torque=500 N.m", "run.stop_time=0.2 s", "omega_out_start=0")
 SECTIONS = [
-    *("Warnings and remarks", "Results", "Inputs", "Mechanism", "Curves"),
-    *("Torque converter chart", "Orders", "Energy and losses", "Freewheel duty"),
+    *("Checks", "Inputs", "Mechanism", "Results", "Energy and losses", "Freewheel duty"),
+    *("Curves", "Torque converter chart", "Orders"),
 ]
 # Computing times differ between runs.
 TIMES = {"wall-clock time", "real time factor"}
@@ -64,6 +64,11 @@ def texts(section):
     return [paragraph.text for paragraph in section.findall("p")]
 
 
+def checks(root, kind):
+    """Texts of the checks on the first page that are "met" or "unmet"."""
+    return [line.find("b").tail for line in root.iter("li") if line.get("class") == kind]
+
+
 def rows(section):
     """Return the cells of all table rows of a section."""
     return [[cell.text or "" for cell in row.findall("td")] for row in section.iter("tr")]
@@ -78,7 +83,7 @@ def test_report_has_every_section_every_warning_and_the_numbers_of_the_summary(r
     assert titles[: len(SECTIONS)] == SECTIONS
     assert {title.partition(": ")[0] for title in titles[len(SECTIONS) : -1]} == {"Parameters"}
     assert titles[-1] == "How to reproduce this report"
-    assert (root.find("head/title").text, root.find("body/h1").text) == (result.scene.title,) * 2
+    assert (root.find("head/title").text, root.find(".//h1").text) == (result.scene.title,) * 2
     cells = [cell for row in rows(found["Results"]) for cell in row]
     numbers = dict(zip(cells[::2], cells[1::2], strict=True))
     expected = result.lines()
@@ -86,10 +91,16 @@ def test_report_has_every_section_every_warning_and_the_numbers_of_the_summary(r
     assert {name: numbers[name] for name in expected if name not in TIMES} == {
         name: text for name, text in expected.items() if name not in TIMES
     }
-    remarks = [f"warning: {one}" for one in result.warnings]
-    remarks += [f"{name.replace('_', ' ')} {one}" for name, one in result.remarks.items()]
-    assert texts(found["Warnings and remarks"]) == (remarks or ["None."])
-    assert len(remarks) == {CROWDED: 2, STALLED: 1, (): 0}[keys]
+    warnings = checks(root, "unmet")
+    assert (
+        len(warnings) == len(result.warnings) + len(result.remarks) == {CROWDED: 2, STALLED: 1, (): 0}[keys]
+    )
+    # the numbers are in the units of the scene, with fewer digits
+    starts = [text.partition(":")[0].partition(" (")[0] for text in result.warnings]
+    assert all(any(line.startswith(start) for line in warnings) for start in starts)
+    numbers = root.find(".//dl[@class='numbers']")
+    assert len(numbers.findall("div")) == 5
+    assert all(number.find("dd").text for number in numbers)
     assert found["How to reproduce this report"].find("pre").text == scene.read_text(encoding="utf-8")
 
 
@@ -98,10 +109,10 @@ def test_report_needs_no_network_and_escapes_the_title(reported, tmp_path):
     scene = tmp_path / "hostile.toml"
     scene.write_text(f'title = "{title}"\n' + REFERENCE.read_text().split("\n", 1)[1])
     root, _ = reported(scene)
-    assert root.find("head/title").text == root.find("body/h1").text == title.replace("\\", "")
+    assert root.find("head/title").text == root.find(".//h1").text == title.replace("\\", "")
     assert {one.tag for one in root.iter()}.isdisjoint({"script", "a", "link", "iframe", "object"})
     links = [one.get(name) for one in root.iter() for name in ("src", "href", "style") if one.get(name)]
-    assert len(links) == 4
+    assert len(links) == 5
     assert all(link.startswith("data:image/") for link in links)
     assert "url(" not in root.find("head/style").text
 
@@ -172,8 +183,8 @@ def test_duty_is_shown_with_limits_and_an_exceeded_limit_is_a_warning(reported):
     assert [row[2] for row in duty] == [numbers[f"output {row[0]}"] for row in duty]
     assert duty[1][2].endswith(" Hz, limit 2")
     assert duty[2][2].endswith(" N.m, limit 150")
-    (warning,) = texts(found["Warnings and remarks"])
-    assert warning.startswith("warning: output engagement frequency maximum exceeds its limit of 2 Hz: ")
+    (warning,) = checks(root, "unmet")
+    assert warning.startswith("output engagement frequency maximum exceeds its limit of 2 Hz: ")
 
 
 def test_report_is_as_wide_as_the_paper(browser, reported, tmp_path):
@@ -184,6 +195,13 @@ def test_report_is_as_wide_as_the_paper(browser, reported, tmp_path):
         for font in FONTS:
             set_font(page, font)
             assert page.evaluate("document.documentElement.scrollWidth") <= 680, font
+            page.emulate_media(media="screen")
+            page.set_viewport_size({"width": 390, "height": 844})  # a phone
+            assert page.evaluate("document.documentElement.scrollWidth") <= 390, font
+            page.set_viewport_size({"width": 680, "height": 1000})
+            page.emulate_media(media="print")
+        pages = page.pdf(prefer_css_page_size=True).count(b"/Type /Page\n")
+    assert 5 <= pages <= 10
 
 
 # --- sketch ---

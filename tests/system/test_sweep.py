@@ -385,10 +385,15 @@ def test_table_and_figure_of_a_design_have_integers_and_units(designs):
         assert (row["mechanism.satellites"] + row["contact_switches"]).isdecimal()
     picture = design_figure(designs)
     assert picture.get_suptitle() == "A light module"
-    (panel,) = picture.axes
-    assert (panel.get_xlabel(), panel.get_ylabel()) == ("torque ripple [N.m]", "total imbalance mass [kg]")
+    panel, overview, table = picture.axes
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("torque ripple [N·m]", "total imbalance mass [kg]")
+    assert (panel.get_xscale(), panel.get_yscale()) == ("linear", "linear")
     picture.draw_without_rendering()
-    assert not any("$" in label.get_text() for label in panel.get_xticklabels(which="both"))
+    assert not any("$" in label.get_text() for label in overview.get_xticklabels(which="both"))
+    numbers = [finalist.file.stem.rpartition("_")[2] for finalist in designs.finalists]
+    cells = table.tables[0].get_celld()
+    assert [cells[row, 0].get_text().get_text() for row in range(1, len(numbers) + 1)] == numbers
+    assert {text.get_text() for text in panel.texts} == set(numbers)
 
 
 def test_second_search_of_a_scene_reuses_its_runs(designs, spec, fmu, cluster):

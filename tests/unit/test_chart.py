@@ -15,6 +15,7 @@ from scipy.io import loadmat
 from inertia_module.analysis import converter_chart as charts
 from inertia_module.analysis.converter_chart import (
     MAPPED,
+    NOMINAL_SPEED,
     UNITS,
     SteadyMachine,
     compute_chart,
@@ -268,7 +269,9 @@ def test_map_depends_on_speed_with_viscous_friction_and_agrees_with_the_chart():
     assert chart.speed_ratio == pytest.approx(found["speed_ratio"])
     assert chart.efficiency == pytest.approx(efficiency[-1], abs=1e-6)
     assert chart.efficiency.max() < 1.0
-    assert len(chart_figure({"rubbed": chart}).axes) == 6
+    lossy = chart_figure({"rubbed": chart}).axes
+    assert len(lossy) == 7
+    assert [axes.get_ylim() for axes in lossy if axes.get_ylabel() == "efficiency [%]"] == [(0.0, 100.0)]
     axes = chart_figure({"rubbed": chart}, {"map": found}, "rpm").axes
     drawn = next(one for one in axes if one.get_title(loc="left") == "efficiency of map")
     assert drawn.get_ylabel() == "input speed [rpm]"
@@ -368,7 +371,7 @@ def test_command_draws_engagements_and_prints_the_speed_limit_of_freewheels(tmp_
     chart = compute_chart(PLANAR, engagements=True)
     engaged = chart_figure({"planar": chart}, allowed={"planar": 0.6}).axes[4]
     assert [line.get_linestyle() for line in engaged.lines] == ["-", "--", ":"]
-    assert engaged.lines[2].get_ydata()[0] == 0.6
+    assert engaged.lines[2].get_ydata()[0] == pytest.approx(0.6 * NOMINAL_SPEED / math.tau)
 
 
 def test_at_a_speed_the_figure_has_torques_and_frequencies():
@@ -376,10 +379,11 @@ def test_at_a_speed_the_figure_has_torques_and_frequencies():
     any_speed = chart_figure({"planar": chart}, allowed={"planar": 0.6}).axes
     one_speed = chart_figure({"planar": chart}, {}, "rpm", {"planar": 0.6}, 50.0 * math.pi)
     assert one_speed.get_suptitle() == "Torque converter chart at 1500 rpm"
-    units = [axes.get_ylabel() for axes in one_speed.axes]
-    assert units == ["", "N·m", "N·m", "-", "Hz", "N·m"]
-    square = (50.0 * math.pi) ** 2
-    factors = (1.0, square, square, 1.0, 25.0, square)
+    labels = [axes.get_ylabel() for axes in one_speed.axes]
+    torque = "torque [N·m]"
+    assert labels == ["output torque / input torque", torque, torque, "ripple", "frequency [Hz]", torque]
+    factor = 50.0 * math.pi / NOMINAL_SPEED
+    factors = (1.0, factor**2, factor**2, 1.0, factor, factor**2)
     for before, after, factor in zip(any_speed, one_speed.axes, factors, strict=True):
         for line, other in zip(before.lines, after.lines, strict=True):
             assert other.get_ydata() == pytest.approx(factor * np.asarray(line.get_ydata()))

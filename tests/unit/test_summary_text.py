@@ -243,7 +243,7 @@ def test_units_are_those_of_the_operation_in_the_scene(tmp_path):
     result = run_result(**DUTY)
     lines = lines_of(result, {"rad/s": "rad/s", "N.m": "lbf.ft"})
     assert group(lines, "Speed") == "input 100 rad/s   output at the end 18.0 rad/s   ratio 0.180"
-    assert group(lines, "Torque") == "output mean 14.0 lbf.ft (peak 75.3)   input mean 1.73 lbf.ft"
+    assert group(lines, "Torque") == "output mean 14.0 lbf·ft (peak 75.3)   input mean 1.73 lbf·ft"
 
 
 @pytest.mark.parametrize(

@@ -13,10 +13,11 @@ import typer
 import inertia_module
 
 from ..common.errors import must_be
-from ..common.files import OUTPUT_FOLDER, writable_folder, write_figure
+from ..common.files import OUTPUT_FOLDER, writable_folder
 from ..common.terminal import progress_bar
 from ..common.units import split_quantity
 from .answer import Answer, Shown, command, file_lines
+from .figure_files import FORMATS, FigureFormat, FigurePanel, figure_path, write_picture
 from .options import Keys, OutputFolder, Text, option, speed_of, speed_text, values_of
 
 if TYPE_CHECKING:
@@ -41,6 +42,8 @@ def chart(
         ),
     ] = False,
     keys: Keys = None,
+    file_format: FigureFormat = FORMATS[0],
+    panel: FigurePanel = None,
 ) -> Answer:
     """Draw the torque converter charts of one or more scenes.
 
@@ -51,6 +54,7 @@ def chart(
     from ..analysis.converter_chart import NOMINAL_SPEED
 
     folder = writable_folder(output or OUTPUT_FOLDER / "chart")
+    path = figure_path(folder, "chart", file_format)
     names = [scene.stem for scene in scenes]
     if len(set(names)) < len(names):
         raise ValueError(must_be("file names of the scenes", "different", ", ".join(names)))
@@ -82,7 +86,7 @@ def chart(
     figure = inertia_module.chart_figure(
         charts, maps, unit, {name: limit for name, limit in allowed.items() if limit is not None}, omega1
     )
-    files.append(write_figure(folder / "chart.png", figure))
+    files.append(write_picture(path, figure, panel))
 
     if mapped:
         parts.append(f"maps up to {speed_text(reference_speed)}, the reference speed of the converter tables")

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Annotated
 import inertia_module
 
 from ..common.errors import must_be
-from ..common.files import OUTPUT_FOLDER, writable_folder, write_atomically, write_figure
+from ..common.files import OUTPUT_FOLDER, writable_folder, write_atomically
 from ..common.terminal import progress_bar, terminal
 from .answer import Answer, command, indented
+from .figure_files import FORMATS, FigureFormat, FigurePanel, figure_path, write_picture
 from .options import (
     FIDELITIES,
     File,
@@ -54,6 +55,8 @@ def run(
     view: Annotated[bool, option("Also write the viewer to page.html (see view).", None, "--view")] = False,
     every: Annotated[bool, option("Print every metric, with six digits in SI units.", None, "--all")] = False,
     keys: Keys = None,
+    file_format: FigureFormat = FORMATS[0],
+    panel: FigurePanel = None,
 ) -> Answer:
     """Run a scene and write its table, summary and plot.
 
@@ -67,6 +70,7 @@ def run(
 
     check_choice("fidelity", fidelity, FIDELITIES)
     folder = writable_folder(output or OUTPUT_FOLDER / scene.stem)
+    path = figure_path(folder, "plot", file_format)
     if view:
         template()
     read, choice = _read_scene(scene, keys, fidelity, error, view)
@@ -77,7 +81,7 @@ def run(
     files = {
         "table": result.table.to_csv(folder / "table.csv"),
         "summary": write_atomically(folder / "summary.json", f"{json.dumps(data, indent=2)}\n".encode()),
-        "plot": write_figure(folder / "plot.png", inertia_module.scene_figure(result)),
+        "plot": write_picture(path, inertia_module.scene_figure(result), panel),
     }
     if page is not None:
         files["page"] = write_atomically(folder / "page.html", page)

@@ -10,9 +10,10 @@ import typer
 
 import inertia_module
 
-from ..common.files import OUTPUT_FOLDER, writable_folder, write_figure
+from ..common.files import OUTPUT_FOLDER, writable_folder
 from ..common.terminal import progress_bar
 from .answer import Answer, Shown, command, indented
+from .figure_files import FORMATS, FigureFormat, FigurePanel, figure_path, write_picture
 from .options import (
     FmuToRun,
     Keys,
@@ -59,6 +60,8 @@ def orders(
     mat: Annotated[bool, option("Also write complex amplitudes to orders.mat.", None, "--mat")] = False,
     fmu: FmuToRun = None,
     keys: Keys = None,
+    file_format: FigureFormat = FORMATS[0],
+    panel: FigurePanel = None,
 ) -> Answer:
     """Run an order analysis of a scene.
 
@@ -71,6 +74,7 @@ def orders(
 
     check_choice("reference angle", of, ANGLES)
     folder = writable_folder(output or OUTPUT_FOLDER / "orders" / scene.stem)
+    path = figure_path(folder, "orders", file_format)
     first, last = quantity_of("--from", begin, "s"), quantity_of("--to", end, "s")
     read = inertia_module.load_scene(scene, values_of(keys))
     with progress_bar(read.title) as progress:
@@ -87,7 +91,7 @@ def orders(
         )
     unit, files = speed_unit(scene, values_of(keys)), result.write(folder)
     files |= {"mat": result.write_mat(folder / "orders.mat")} if mat else {}
-    files["picture"] = write_figure(folder / "orders.png", order_figure(result, read.title, hz, unit))
+    files["picture"] = write_picture(path, order_figure(result, read.title, hz, unit), panel)
 
     parts: list[Shown] = [f"{read.title}: largest orders, cycles per {BASES[of]}"]
     if result.step < read.run.communication_step * (1.0 - 1e-9):
@@ -119,6 +123,8 @@ def sweep(
     seed: Annotated[int, option("Random seed of the samples.", "N")] = 0,
     output: OutputFolder = None,
     keys: Keys = None,
+    file_format: FigureFormat = FORMATS[0],
+    panel: FigurePanel = None,
     fmu: FmuToRun = None,
     scheduler: Scheduler = None,
     workers: Workers = None,
@@ -132,6 +138,7 @@ def sweep(
     from ..studies.axes import ranges_of_texts
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_sweep")
+    path = figure_path(folder, "plot", file_format)
     with progress_bar(f"sweep of {scene.name}") as progress:
         result = inertia_module.sweep(
             inertia_module.load_scene(scene, values_of(keys)),
@@ -146,7 +153,7 @@ def sweep(
             progress=progress,
         )
     metrics = [*(metric or ()), *(figure or ())]
-    files = {**result.files, "plot": write_figure(folder / "plot.png", sweep_figure(result, metrics))}
+    files = {**result.files, "plot": write_picture(path, sweep_figure(result, metrics), panel)}
     numbers = {"rows": len(result.rows), "new": result.new, "refused": len(result.refused)}
 
     runs = len(result.rows)
@@ -165,6 +172,8 @@ def design(
     ],
     output: OutputFolder = None,
     keys: Keys = None,
+    file_format: FigureFormat = FORMATS[0],
+    panel: FigurePanel = None,
     fmu: FmuToRun = None,
     scheduler: Scheduler = None,
     workers: Workers = None,
@@ -177,6 +186,7 @@ def design(
     from ..studies.design_specification import read_spec
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{spec.stem}_design")
+    path = figure_path(folder, "plot", file_format)
     with progress_bar(f"design of {spec.name}") as progress:
         result = inertia_module.design(
             read_spec(spec, values_of(keys)),
@@ -186,7 +196,7 @@ def design(
             workers=workers,
             progress=progress,
         )
-    files = {**result.files, "plot": write_figure(folder / "plot.png", inertia_module.design_figure(result))}
+    files = {**result.files, "plot": write_picture(path, inertia_module.design_figure(result), panel)}
     files |= {finalist.file.stem.replace("_", " "): finalist.file for finalist in result.finalists}
 
     parts: list[Shown] = [
@@ -234,6 +244,8 @@ def fit(
     output: OutputFolder = None,
     fmu: FmuToRun = None,
     keys: Keys = None,
+    file_format: FigureFormat = FORMATS[0],
+    panel: FigurePanel = None,
 ) -> Answer:
     """Fit scene parameters to measured data.
 
@@ -256,6 +268,7 @@ def fit(
     from ..studies.axes import ranges_of_texts
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_fit")
+    path = figure_path(folder, "fit", file_format)
     with progress_bar(f"fit to {measured.name}") as progress:
         result = inertia_module.fit(
             measured,
@@ -268,7 +281,7 @@ def fit(
             fmu=fmu,
             progress=progress,
         )
-    files = {**result.files, "picture": write_figure(folder / "fit.png", inertia_module.fit_figure(result))}
+    files = {**result.files, "picture": write_picture(path, inertia_module.fit_figure(result), panel)}
 
     parts: list[Shown] = [
         (f"{result.scene.title}: fitted values with 95 % intervals", result.lines()),
@@ -286,6 +299,8 @@ def tradeoff(
         Text, option("Recommend the cheapest level that meets this error, e.g. 1%.", "ERROR")
     ] = None,
     keys: Keys = None,
+    file_format: FigureFormat = FORMATS[0],
+    panel: FigurePanel = None,
 ) -> Answer:
     """Compare accuracy and run time of the fidelity levels.
 
@@ -300,6 +315,7 @@ def tradeoff(
 
     with progress_bar("comparing the fidelity levels") as progress:
         folder = writable_folder(output or OUTPUT_FOLDER / "tradeoff")
+        path = figure_path(folder, "tradeoff", file_format)
         allowed = quantity_of("--recommend", recommend, "1", maximum=1.0, above=0.0)
         read = inertia_module.load_scene(scene, values_of(keys))
         title, names = read.title, read.run.outputs
@@ -307,7 +323,7 @@ def tradeoff(
         choice = levels.recommend(rows, allowed, names) if allowed else None
         files = {"rows": write_rows(folder / "tradeoff.csv", rows)}
         figure = work_precision(rows, names, title)
-        files["picture"] = write_figure(folder / "tradeoff.png", figure)
+        files["picture"] = write_picture(path, figure, panel)
 
     parts: list[Shown] = [partial(print_levels, title, rows, names, allowed or 0.01)]
     choice_lines = [] if choice is None else choice.lines()

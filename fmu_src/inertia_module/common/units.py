@@ -260,6 +260,15 @@ def factor_between(unit: str, target: str) -> float:
     raise ValueError(f"incompatible unit {unit!r}; available: {', '.join(units_like(target))}")
 
 
+def printed_unit(unit: str) -> str:
+    """Return a unit with the signs of print, such as N·m or rad/s².
+
+    Args:
+        unit: Unit, such as N.m or rad/s2.
+    """
+    return re.sub(r"(?<=[a-z])2(?![0-9])", "²", unit).replace(".", "·")
+
+
 def split_quantity(text: str) -> tuple[float, str]:
     """Return the number and the unit ("" if there is none) of a string such as '1000 rpm'.
 

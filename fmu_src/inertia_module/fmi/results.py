@@ -18,7 +18,7 @@ from ..common.equality import ByContent
 from ..common.errors import must_be, suggestion, unknown
 from ..common.extras import library
 from ..common.files import write_atomically, write_figure, write_text
-from ..common.units import factor_between
+from ..common.units import factor_between, printed_unit
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -239,20 +239,20 @@ class Result(ByContent):
         Raises:
             TableError: there is no such column.
         """
-        from ..common.colours import Picture
+        from ..common.colours import Picture, styled
 
         panels: dict[str, list[str]] = {}
         for name in names or self.names[1:]:
             panels.setdefault(self.units.get(name, ""), []).append(name)
-        figure = Picture(figsize=(9, 1 + 2.2 * max(1, len(panels))), layout="constrained")
-        axes = figure.subplots(max(1, len(panels)), 1, sharex=True, squeeze=False)[:, 0]
-        for axis, (unit, members) in zip(axes, panels.items(), strict=False):
-            for name in members:
-                axis.plot(self.time, self[name], label=name, linewidth=0.9)
-            axis.set_ylabel(unit or "-")
-            axis.legend(loc="upper right", fontsize="small")
-            axis.grid(alpha=0.3)
-        axes[-1].set_xlabel(f"{TIME} [s]")
+        with styled():
+            figure = Picture(figsize=(9, 1 + 2.2 * max(1, len(panels))), layout="constrained")
+            axes = figure.subplots(max(1, len(panels)), 1, sharex=True, squeeze=False)[:, 0]
+            for axis, (unit, members) in zip(axes, panels.items(), strict=False):
+                for name in members:
+                    axis.plot(self.time, self[name], label=name, linewidth=0.9)
+                axis.set_ylabel(printed_unit(unit) or "-")
+                axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5)
+            axes[-1].set_xlabel(f"{TIME} [s]")
         return figure
 
     def _repr_png_(self) -> bytes:

@@ -7,7 +7,9 @@ from collections.abc import Sequence
 
 from matplotlib.figure import Figure
 
+from ..common.colours import styled
 from ..fidelity.rows import PEER, Row
+from .panels import sheet
 
 # label of a cost, and factor to its displayed unit
 _AXES = {
@@ -16,6 +18,7 @@ _AXES = {
 }
 
 
+@styled()
 def work_precision(rows: Sequence[Row], outputs: Sequence[str], title: str) -> Figure:
     """Draw the maximum error over run time and over right-hand-side evaluations, on logarithmic axes.
 
@@ -31,8 +34,7 @@ def work_precision(rows: Sequence[Row], outputs: Sequence[str], title: str) -> F
         if 0.0 < row.max_error(outputs) < math.inf:
             name = row.method.partition(",")[0] if row.fidelity == PEER else row.level
             levels.setdefault(name, []).append(row)
-    figure = Figure(figsize=(11.0, 5.5), dpi=110, layout="constrained")
-    figure.suptitle(f"{title}: accuracy against run time", fontsize=11)
+    figure = sheet(f"{title}: accuracy against run time", height=6.0)
     panels = figure.subplots(1, 2, sharey=True)
     for axes, (cost, (label, factor)) in zip(panels, _AXES.items(), strict=True):
         for name, level in levels.items():
@@ -40,9 +42,8 @@ def work_precision(rows: Sequence[Row], outputs: Sequence[str], title: str) -> F
                 [factor * getattr(row, cost) for row in level],
                 [row.max_error(outputs) for row in level],
             )
-            axes.loglog(costs, errors, "x" if level[0].fidelity == PEER else "o", markersize=4, label=name)
+            axes.loglog(costs, errors, "x" if level[0].fidelity == PEER else "o", markersize=5, label=name)
         axes.set_xlabel(label)
-        axes.grid(alpha=0.3, linewidth=0.4)
-    panels[0].set_ylabel("maximum relative error [1]")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=6, fontsize=8)
+    panels[0].set_ylabel("maximum relative error")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=6)
     return figure

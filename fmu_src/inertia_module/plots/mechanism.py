@@ -14,10 +14,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.spatial.transform import Rotation
 
-from ..common.colours import BLACK, BLUE, GREY, ORANGE, VERMILION
+from ..common.colours import BLACK, BLUE, GREY, ORANGE, VERMILION, styled
 from ..kernel import layout
 from ..model import Module
-from .panels import Array, plain, sheet
+from .panels import Array, sheet
 
 MILLIMETRES = 1e3
 # angles of one revolution, rad, and a circle of radius 1 about Ox
@@ -33,6 +33,7 @@ BEVEL = {
 }
 
 
+@styled()
 def mechanism_figure(parameters: Mapping[str, float]) -> Figure:
     """Draw one module of a mechanism, in mm, with its unbalanced masses and their paths.
 
@@ -50,13 +51,12 @@ def mechanism_figure(parameters: Mapping[str, float]) -> Figure:
         figure.subplots(1, len(views), squeeze=False)[0], views.items(), strict=True
     ):
         draw(axes, d, view)
-        axes.set_title(title, loc="left", fontsize=12)
+        axes.set_title(title)
         axes.set_xlabel(f"{'xyz'[view[0]]} [mm]")
         axes.set_ylabel(f"{'xyz'[view[1]]} [mm]")
         axes.set_aspect("equal", adjustable="datalim")
-        plain(axes)
     handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
+    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
     return figure
 
 

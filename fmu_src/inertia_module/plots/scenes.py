@@ -11,18 +11,22 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, styled
 from ..driveline.cycles import KILOMETRE_PER_HOUR, TIME_TOLERANCE, Cycle
 from ..fmi.simulate import Result
 from ..interface.variables import LOSSES, LOST_TO
 from ..scene import Scene, SceneResult
 from ..scene.run import TIME_TO, forces, work
-from .panels import SIZE, SMOOTHING, Array, dress, headline, sheet, smooth
+from .panels import SIZE, SMOOTHING, Array, dress, envelope, headline, sheet, smooth
 
 # function that draws a table from a row; from row 0 it draws the whole run, else a close-up
 Panel = Callable[[Axes, Result, int], None]
 
 CLOSE_UP_PULSES = 4
+# number of pulses above which a panel shows the range of oscillating signals, and pulses per bin of the range
+MAX_CURVE_PULSES, PULSES_PER_BIN = 60, 2
+# maximum number of bins, and minimum number of rows per pulse of curves through coarse rows
+MAX_BINS, MIN_ROWS_PER_PULSE = 300, 8
 # number of rows of panels above which the figure becomes higher
 MAX_PANELS = 4
 # Maximum mean number of switches in rows with switches. Above it, lines do not show instantaneous values.
@@ -69,11 +73,13 @@ INSTANTS = ("omega2", *FORCES, "imbalance_acceleration")
 LARGE = ("J", "W", "N", "m/s²")
 
 
-def scene_figure(result: SceneResult) -> Figure:
+@styled()
+def scene_figure(result: SceneResult, rows: int | None = None) -> Figure:
     """Draw the result of a scene: tracking of a speed, torque pulses, or motion of a driven shaft.
 
     Args:
         result: Result of run_scene or run_shaft_scene.
+        rows: Maximum number of rows of panels; None for all.
 
     Returns:
         A matplotlib Figure of 1200 x 900 pixels, higher with more than four panels; save it with
@@ -83,11 +89,11 @@ def scene_figure(result: SceneResult) -> Figure:
     gain = result["energy_stored"] - result["energy_stored"][0]
     table = Result(result.columns | forces(result) | {GAIN: gain}, result.units)
     if "hub_speed" in table:
-        _shaft_panels(figure, result, table)
+        _shaft_panels(figure, result, table, rows)
     elif isinstance(scene, Scene) and scene.controller is not None and "vehicle_speed" in table:
-        _driving_panels(figure, result, table, scene.cycle)
+        _driving_panels(figure, result, table, scene.cycle, rows)
     else:
-        _pulse_panels(figure, result, table)
+        _pulse_panels(figure, result, table, rows)
     return figure
 
 
@@ -96,7 +102,8 @@ def plot(
 ) -> None:
     """Draw columns in the style of LOOKS and dress the panel; missing columns are skipped.
 
-    Large values are in thousands. Columns that oscillate with the pulses are dots if the rows are coarse.
+    Large values are in thousands. Columns that oscillate with the pulses are bands from minimum to maximum if
+    there are many pulses, and dots if the rows are coarse.
 
     Args:
         axes: The panel.
@@ -109,13 +116,27 @@ def plot(
     """
     columns = [name for name in names if name in table]
     factor, unit = in_thousands(unit, *(table[name] for name in columns))
+    time = table.time[first:]
     for name in columns:
         label, colour, line = LOOKS[name]
-        look: dict[str, Any] = {"color": colour, "linestyle": line, "label": labels.get(name, label)}
+        label, values = labels.get(name, label), table[name][first:] / factor
+        if name in INSTANTS and (bins := range_bins(table, first)):
+            times, low, high = envelope(time, values, bins)
+            axes.fill_between(
+                times, low, high, color=colour, alpha=0.4, linewidth=0.5, label=f"{label}, range"
+            )
+            continue
+        look: dict[str, Any] = {"linestyle": line, "linewidth": 1.5}
         if name in INSTANTS and is_coarse(table):
-            dots = {"linestyle": "none", "marker": ".", "markersize": 2.0}
-            look |= dots | {"label": f"{label}, instantaneous"}
-        axes.plot(table.time[first:], table[name][first:] / factor, linewidth=1.5, **look)
+            is_fine = len(time) >= MIN_ROWS_PER_PULSE * max(pulse_starts(table, first).size, 1)
+            look = {
+                "marker": ".",
+                "markersize": 3.0,
+                "linewidth": 0.7,
+                "linestyle": "-" if is_fine else "none",
+            }
+            label = f"{label}, instantaneous"
+        axes.plot(time, values, color=colour, label=label, **look)
     dress(axes, f"{quantity} [{unit}]")
 
 
@@ -143,13 +164,27 @@ def is_coarse(table: Result) -> bool:
     return bool(switches.sum() > MAX_SWITCHES * np.count_nonzero(switches))
 
 
-def pulse_starts(table: Result) -> NDArray[np.int64]:
-    """Return the rows at which torque pulses on the output shaft begin.
+def range_bins(table: Result, first: int) -> int:
+    """Return the number of bins of the range of an oscillating signal; 0 if a curve shows it.
 
     Args:
         table: Record of the run.
+        first: First row.
     """
-    driving = table["output_torque_mean"] > 0.0
+    pulses = int(pulse_starts(table, first).size)
+    return min(pulses // PULSES_PER_BIN, MAX_BINS) if pulses > MAX_CURVE_PULSES else 0
+
+
+def pulse_starts(table: Result, first: int = 0) -> NDArray[np.int64]:
+    """Return the rows at which torque pulses on the output shaft begin, counted from the first row.
+
+    Args:
+        table: Record of the run.
+        first: First row.
+    """
+    if "output_torque_mean" not in table:
+        return np.empty(0, dtype=np.int64)
+    driving = table["output_torque_mean"][first:] > 0.0
     return np.flatnonzero(~driving[:-1] & driving[1:]).astype(np.int64)
 
 
@@ -172,7 +207,7 @@ def end_of_run(table: Result) -> tuple[int, str]:
     return first, f"last {CLOSE_UP_PULSES} pulses"
 
 
-def _pulse_panels(figure: Figure, result: SceneResult, table: Result) -> None:
+def _pulse_panels(figure: Figure, result: SceneResult, table: Result, rows: int | None) -> None:
     """Draw the whole run on the left and its end on the right; forces replace the acceleration."""
     numbers = result.summary
     first, close_up = end_of_run(table)
@@ -186,9 +221,9 @@ def _pulse_panels(figure: Figure, result: SceneResult, table: Result) -> None:
             partial(_powers, names=FLOWS, quantity="power"),
             partial(_powers, names=causes, quantity="losses"),
         ]
-    draw_functions.append(_energies)
+    draw_functions = [*draw_functions, _energies][:rows]
     figure.set_figheight(SIZE[1] * max(1.0, len(draw_functions) / MAX_PANELS))
-    grid = figure.subplots(len(draw_functions), 2, sharex="col", width_ratios=(3, 2))
+    grid = figure.subplots(len(draw_functions), 2, sharex="col", width_ratios=(3, 2), squeeze=False)
     for draw, (left, right) in zip(draw_functions, grid, strict=True):
         draw(left, table, 0)
         draw(right, table, max(first, 1))
@@ -225,8 +260,12 @@ def _torques(axes: Axes, table: Result, first: int) -> None:
         plot(axes, table, instants, "torque", "N·m", first)
         return
     torque = table["output_torque_mean"]
-    area = axes.fill_between(time, torque[first:], step="pre", color=VERMILION, alpha=0.4, linewidth=0)
-    area.set_label("output, step mean")
+    if bins := range_bins(table, first):
+        times, low, high = envelope(time, torque[first:], bins)
+        axes.fill_between(times, low, high, color=VERMILION, alpha=0.3, linewidth=0, label="output, range")
+    else:
+        area = axes.fill_between(time, torque[first:], step="pre", color=VERMILION, alpha=0.4, linewidth=0)
+        area.set_label("output, step mean")
     starts = pulse_starts(table)
     if starts.size > 1 and not first:
         impulse = np.concatenate([[0.0], np.cumsum(torque[1:] * np.diff(time))])
@@ -263,6 +302,7 @@ def _powers(axes: Axes, table: Result, first: int, names: Sequence[str], quantit
         # At the ends the window is truncated within a pulse.
         cut = round(0.5 * window / float(time[1] - time[0]))
         rows = slice(cut, len(time) - cut)
+        quantity = f"{quantity}, mean\nover {window:.2g} s"
     columns = {name: values[rows] for name, values in {"time": time, **powers}.items()}
     plot(axes, Result(columns), names, quantity, "W")
     axes.set_ylim(bottom=min(axes.get_ylim()[0], 0.0))
@@ -279,24 +319,31 @@ def _magnitudes(
 # --- driving ---
 
 
-def _driving_panels(figure: Figure, result: SceneResult, table: Result, cycle: Cycle | None) -> None:
+def _driving_panels(
+    figure: Figure, result: SceneResult, table: Result, cycle: Cycle | None, rows: int | None
+) -> None:
     """Draw the vehicle speed in its tolerance band, speeds of the module, torques and energies."""
     numbers, causes = result.summary, losses(table)
+    input_names, input_label = (_input(table), "omega_out"), "input ω1 (commanded)"
+    draw_functions: list[tuple[float, Callable[[Axes], None]]] = [
+        (1.6, lambda axes: _tracking(axes, table, cycle)),
+        (1.0, lambda axes: plot(axes, table, input_names, "speed", "rad/s", omega1=input_label)),
+        (1.0, lambda axes: _mean_torques(axes, table)),
+        (1.2, lambda axes: _energy_shares(axes, table)),
+    ]
+    if causes:
+        draw_functions.append((1.0, lambda axes: _powers(axes, table, 0, causes, "losses")))
+    heights, functions = zip(*draw_functions[:rows], strict=True)
     figure.set_figheight(SIZE[1] * (1.2 if causes else 1.0))
-    heights = (1.6, 1, 1, 1.2, 1) if causes else (1.6, 1, 1, 1.2)
-    panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
-    _tracking(panels[0], table, cycle)
+    panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights, squeeze=False)[:, 0]
+    for axes, draw in zip(panels, functions, strict=True):
+        draw(axes)
+    for axes in panels[1:2]:
+        axes.set_ylim(bottom=0.0)
     text = "error {tracking_error_rms:.2f} km/h RMS, {tracking_error_maximum:.2f} km/h maximum"
     if cycle is not None:
         text = "out of tolerance {time_out_of_tolerance:.2f} s of {simulated_time:g} s, " + text
     headline(panels[0], text.format_map(numbers))
-    names, input_label = (_input(table), "omega_out"), "input ω1 (commanded)"
-    plot(panels[1], table, names, "speed", "rad/s", omega1=input_label)
-    panels[1].set_ylim(bottom=0.0)
-    _mean_torques(panels[2], table)
-    _energy_shares(panels[3], table)
-    if causes:
-        _powers(panels[4], table, 0, causes, "losses")
     panels[-1].set_xlabel("time [s]")
 
 
@@ -346,14 +393,20 @@ def _energy_shares(axes: Axes, table: Result) -> None:
 # --- a shaft alone ---
 
 
-def _shaft_panels(figure: Figure, result: SceneResult, table: Result) -> None:
+def _shaft_panels(figure: Figure, result: SceneResult, table: Result, rows: int | None) -> None:
     """Draw speeds and accelerations of hub and driven mass, twist and energies."""
-    panels, law = figure.subplots(4, 1, sharex=True), np.gradient(table["hub_speed"], table.time)
+    law = np.gradient(table["hub_speed"], table.time)
     table = Result(table.columns | {"hub_acceleration": law, "twist": 1e3 * table["twist"]})
-    plot(panels[0], table, ("hub_speed", "omega_out"), "speed", "rad/s", omega_out="driven mass")
-    plot(panels[1], table, ("hub_acceleration", "driven_acceleration"), "acceleration", "rad/s²")
-    plot(panels[2], table, ("twist",), "twist", "mrad")
-    _energies(panels[3], table, 0, energy_lost="losses minus work of the balancer")
-    panels[3].set_xlabel("time [s]")
+    accelerations = ("hub_acceleration", "driven_acceleration")
+    draw_functions: list[Callable[[Axes], None]] = [
+        lambda axes: plot(axes, table, ("hub_speed", "omega_out"), "speed", "rad/s", omega_out="driven mass"),
+        lambda axes: plot(axes, table, accelerations, "acceleration", "rad/s²"),
+        lambda axes: plot(axes, table, ("twist",), "twist", "mrad"),
+        lambda axes: _energies(axes, table, 0, energy_lost="losses minus work of the balancer"),
+    ][:rows]
+    panels = figure.subplots(len(draw_functions), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, draw in zip(panels, draw_functions, strict=True):
+        draw(axes)
+    panels[-1].set_xlabel("time [s]")
     peak = result.summary["driven_acceleration_peak"]
     headline(panels[0], f"maximum: driven mass {peak:.4g} rad/s², hub {np.abs(law).max():.4g} rad/s²")

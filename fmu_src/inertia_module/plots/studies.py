@@ -4,27 +4,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
-from matplotlib.figure import Figure, SubFigure
+from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from ..analysis.converter_chart import TorqueConverterChart
-from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from ..analysis.converter_chart import NOMINAL_SPEED, TorqueConverterChart
+from ..common.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, styled
 from ..common.deprecated import renamed_arguments
-from ..common.units import factor_between
+from ..common.units import factor_between, printed_unit
 from ..studies.axes import Axis
 from ..studies.design_result import DesignResult
 from ..studies.evaluation import Row
 from ..studies.fit_result import FitResult
 from ..studies.order_analysis import BASES, Orders
 from ..studies.parameter_sweep import SweepResult, varies
-from .panels import SIZE, Array, dress, plain, sheet, titled
+from .panels import SIZE, Array, dress, sheet, titled
 
 # --- torque converter charts, one curve per mechanism ---
 
@@ -32,19 +33,18 @@ COLOURS = (VERMILION, BLUE, GREEN, ORANGE, PURPLE, SKY, BLACK)
 LARGEST_TORQUE_RATIO = 6.0
 # efficiencies of the contour lines
 EFFICIENCY_LEVELS = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0)
-# title and unit of the panels of a chart; the last two panels require engagements
+# title and label of the panels of a chart; the last two panels require engagements
 PANELS = (
-    ("torque ratio, efficiency (dashed)", ""),
-    ("mean output torque{per_square}; bar: lock-up torque", "{torque}"),
-    ("mean input torque{per_square}", "{torque}"),
-    ("output torque ripple (RMS) / mean", "-"),
-    ("engagements: output, housing (dashed), limit (dotted)", "{engagements}"),
-    ("maximum output freewheel torque{per_square}", "{torque}"),
+    ("torque ratio", "output torque / input torque"),
+    ("mean output torque; bar: lock-up torque", "torque [N·m]"),
+    ("mean input torque", "torque [N·m]"),
+    ("output torque ripple, RMS over mean", "ripple"),
+    ("engagements: output, housing (dashed), limit (dotted)", "frequency [Hz]"),
+    ("maximum output freewheel torque", "torque [N·m]"),
 )
-UNITS_PER_SPEED = {"per_square": " / ω1²", "torque": "N·m·s²", "engagements": "per input revolution"}
-UNITS_AT_SPEED = {"per_square": "", "torque": "N·m", "engagements": "Hz"}
 
 
+@styled()
 def chart_figure(
     charts: Mapping[str, TorqueConverterChart],
     maps: Mapping[str, Mapping[str, Array]] | None = None,
@@ -59,28 +59,61 @@ def chart_figure(
         maps: Results of steady_map by name, for efficiency maps.
         speed_unit: Unit of the input speed.
         allowed: Maximum engagements of a freewheel per revolution of the input, by chart.
-        omega1: Input speed, rad/s, for torques in N.m; None for torques divided by the square of the speed.
+        omega1: Input speed of torques and frequencies, rad/s; None for NOMINAL_SPEED.
 
     Returns:
         A matplotlib Figure of 1200 x 900 pixels, half as high again for engagements and for maps.
     """
     has_engagements = any(chart.output_engagements is not None for chart in charts.values())
-    height = 1.0 + 0.5 * has_engagements
-    torque_factor, frequency_factor = (1.0, 1.0) if omega1 is None else (omega1**2, abs(omega1) / math.tau)
-    units, at = UNITS_PER_SPEED, ""
-    if omega1 is not None:
-        units = UNITS_AT_SPEED
-        at = f" at {omega1 * factor_between('rad/s', speed_unit):.5g} {speed_unit}"
-    figure = sheet(f"Torque converter chart{at}", (height + 0.5 * bool(maps)) * SIZE[1])
-    upper: Figure | SubFigure = figure
-    if maps:
-        parts = figure.subfigures(2, 1, squeeze=False, height_ratios=(2.0 * height, 1))
-        upper, below = parts[0, 0], parts[1, 0].subplots(1, len(maps), squeeze=False)
-        for axes, (name, steady_map) in zip(below.flat, maps.items(), strict=True):
-            axes.set_title(f"efficiency of {name}", loc="left", fontsize=11)
-            _efficiency(axes, steady_map, speed_unit)
-    panels = upper.subplots(2 + has_engagements, 2, sharex=True)
-    ratio, output, input_torque, ripple, *duty = panels.flat
+    speed = NOMINAL_SPEED if omega1 is None else omega1
+    at = f"{speed * factor_between('rad/s', speed_unit):.5g} {speed_unit}"
+    rows, maps = 2 + has_engagements, maps or {}
+    map_rows = -(-len(maps) // 2)
+    figure = sheet(f"Torque converter chart at {at}", 0.5 * (rows + map_rows) * SIZE[1])
+    panels = figure.subplots(rows + map_rows, 2).flatten().tolist()
+    chart_panels, map_panels = panels[: 2 * rows], panels[2 * rows :]
+    for axes, (title, label) in zip(chart_panels, PANELS, strict=False):
+        axes.set_title(title)
+        axes.set_ylabel(label)
+    for axes in chart_panels[1:]:
+        axes.sharex(chart_panels[0])
+    _draw_charts(chart_panels, charts, speed, allowed)
+    for axes, (name, steady_map) in zip(map_panels, maps.items(), strict=False):
+        axes.set_title(f"efficiency of {name}")
+        _efficiency(axes, steady_map, speed_unit)
+    if len(maps) % 2:  # the last map fills its row
+        map_panels[-1].remove()
+        grid = map_panels[-2].get_gridspec()
+        map_panels[-2].set_subplotspec(grid[-1, :])
+    return figure
+
+
+def _draw_charts(
+    panels: Sequence[Axes],
+    charts: Mapping[str, TorqueConverterChart],
+    omega1: float,
+    allowed: Mapping[str, float],
+) -> None:
+    """Draw the curves of charts.
+
+    Args:
+        panels: Panels in the order of PANELS; the last two are optional.
+        charts: Charts by the names in the legend.
+        omega1: Input speed of torques and frequencies, rad/s.
+        allowed: Maximum engagements of a freewheel per revolution of the input, by chart.
+    """
+    ratio, output, input_torque, ripple, *duty = panels
+    torque_factor, frequency_factor = omega1**2, abs(omega1) / math.tau
+    efficiency = None
+    if all(chart.lossless for chart in charts.values()):
+        ratio.set_title(f"{PANELS[0][0]}, no losses")
+    else:
+        ratio.set_title(f"{PANELS[0][0]}, efficiency (dashed)")
+        efficiency = ratio.twinx()
+        efficiency.grid(visible=False)
+        efficiency.spines["right"].set_visible(True)
+        efficiency.set_ylim(0.0, 100.0)
+        efficiency.set_ylabel("efficiency [%]")
     for number, (name, chart) in enumerate(charts.items()):
         colour = COLOURS[number % len(COLOURS)]
         speed, torque = chart.speed_ratio, chart.output_torque
@@ -88,33 +121,27 @@ def chart_figure(
         in_range = chart.input_torque * LARGEST_TORQUE_RATIO > torque
         has_torque = torque > 1e-3 * max(chart.stall_torque, 1e-300)
         ratio.plot(speed[in_range], torque[in_range] / chart.input_torque[in_range], color=colour, label=name)
-        ratio.plot(speed, chart.efficiency, "--", color=colour)
-        output.plot(speed, torque_factor * torque, color=colour, label=name)
+        if efficiency is not None:
+            efficiency.plot(speed, 100.0 * chart.efficiency, "--", color=colour)
+        output.plot(speed, torque_factor * torque, color=colour)
         if chart.lock_up_torque[0] > 0.0:
             bar = [0.0, torque_factor * chart.lock_up_torque[0]]
             output.plot([1.0, 1.0], bar, color=colour, linewidth=3.0, alpha=0.5)
-        input_torque.plot(speed, torque_factor * chart.input_torque, color=colour, label=name)
-        ripple.plot(
-            speed[has_torque], chart.ripple[has_torque] / torque[has_torque], color=colour, label=name
-        )
+        input_torque.plot(speed, torque_factor * chart.input_torque, color=colour)
+        ripple.plot(speed[has_torque], chart.ripple[has_torque] / torque[has_torque], color=colour)
         if chart.output_engagements is not None and chart.housing_engagements is not None:
-            duty[0].plot(speed, frequency_factor * chart.output_engagements, color=colour, label=name)
+            duty[0].plot(speed, frequency_factor * chart.output_engagements, color=colour)
             duty[0].plot(speed, frequency_factor * chart.housing_engagements, "--", color=colour)
-            duty[1].plot(speed, torque_factor * chart.peak, color=colour, label=name)
+            duty[1].plot(speed, torque_factor * chart.peak, color=colour)
             if name in allowed:
                 duty[0].axhline(frequency_factor * allowed[name], color=colour, linestyle=":")
-    for axes, (title, unit) in zip(panels.flat, PANELS, strict=False):
-        axes.set_title(title.format(**units), loc="left", fontsize=11)
-        axes.set_ylabel(unit.format(**units))
+    for axes in panels:
         axes.set_ylim(bottom=0.0)
-        axes.legend(fontsize=9, frameon=False)
-        plain(axes)
     ratio.set_ylim(0.0, LARGEST_TORQUE_RATIO)
-    if all(chart.lossless for chart in charts.values()):
-        ratio.set_title(f"{PANELS[0][0]}: 1, no losses", loc="left", fontsize=11)
-    for axes in panels[-1]:
+    for axes in panels[-2:]:
         axes.set_xlabel("speed ratio, output / input")
-    return figure
+    if len(charts) > 1:
+        ratio.figure.legend(*ratio.get_legend_handles_labels(), loc="outside lower center", ncols=4)
 
 
 def _efficiency(axes: Axes, steady_map: Mapping[str, Array], unit: str) -> None:
@@ -125,7 +152,8 @@ def _efficiency(axes: Axes, steady_map: Mapping[str, Array], unit: str) -> None:
     curves = ratios, speeds, efficiency, EFFICIENCY_LEVELS
     contours = axes.contourf(*curves, cmap="viridis")
     axes.clabel(axes.contour(*curves, colors="white", linewidths=0.6), fontsize=8)
-    axes.figure.colorbar(contours, ax=axes)
+    axes.figure.colorbar(contours, ax=axes, label="efficiency")
+    axes.grid(visible=False)
     axes.set_xlim(0.0, ratios[min(end, ratios.size - 1)])
     axes.set_xlabel("speed ratio, output / input")
     axes.set_ylabel(f"input speed [{unit}]")
@@ -139,6 +167,7 @@ MAX_METRICS = 3
 
 
 @renamed_arguments(figures="metrics")
+@styled()
 def sweep_figure(sweep: SweepResult, metrics: Sequence[str] = ()) -> Figure:
     """Draw a sweep: maps over two keys, otherwise each metric over each key.
 
@@ -166,7 +195,6 @@ def sweep_figure(sweep: SweepResult, metrics: Sequence[str] = ()) -> Figure:
             places = _places(sweep, axis)
             order = np.argsort(places, kind="stable")
             panel.plot(places[order], values[order], ".-" if columns == 1 else ".", linewidth=1.2)
-            plain(panel)
             _scale(panel, sweep, axis, "x")
     return picture
 
@@ -191,6 +219,7 @@ def _map(panel: Axes, sweep: SweepResult, values: Array, label: str) -> None:
         table = np.full((up.size, across.size), np.nan)
         table[np.searchsorted(up, y), np.searchsorted(across, x)] = values
         artist: Any = panel.pcolormesh(across, up, table, shading="nearest")
+        panel.grid(visible=False)
     else:
         artist = panel.scatter(x, y, c=values, s=14)
     panel.figure.colorbar(artist, ax=panel, label=label)
@@ -201,54 +230,116 @@ def _map(panel: Axes, sweep: SweepResult, values: Array, label: str) -> None:
 # --- designs ---
 
 
+# limits of an axis: range of the Pareto front, at least this fraction of its value, widened by the margin
+MIN_RANGE, MARGIN = 0.01, 0.25
+
+
+@styled()
 def design_figure(result: DesignResult) -> Figure:
     """Draw a design: a single goal over the number of the design, or the other goals over the first.
+
+    The large panels show the region of the Pareto front, the small panels all designs. A table below has
+    the goals of the numbered designs.
 
     Args:
         result: Result of design.
     """
     names = list(result.judge.spec.goals)
     across, up = (None, names) if len(names) == 1 else (names[0], names[1:])
-    picture = sheet(result.judge.spec.title, 1.0 + 4.8 * len(up))
-    for panel, name in zip(picture.subplots(len(up), 1, squeeze=False)[:, 0], up, strict=True):
-        _goals(panel, result, across, name)
+    table_height = 0.6 + 0.3 * len(result.finalists)
+    picture = sheet(result.judge.spec.title, 1.0 + 5.0 * len(up) + table_height)
+    heights = [*(5.0 for _ in up), table_height]
+    grid = picture.add_gridspec(len(heights), 2, width_ratios=(3, 1), height_ratios=heights)
+    for row, name in enumerate(up):
+        front, overview = (picture.add_subplot(grid[row, column]) for column in (0, 1))
+        _goals(front, result, across, name)
+        _zoom(front, result, across, name)
+        _goals(overview, result, across, name, markersize=2.0)
+        x, y = _coordinates(result, result.rows, across, name)
+        _stretch(overview.set_yscale, overview.yaxis, y)
+        if across is not None:
+            _stretch(overview.set_xscale, overview.xaxis, x)
+        (left, right), (low, high) = front.get_xlim(), front.get_ylim()
+        overview.plot(
+            [left, right, right, left, left], [low, low, high, high, low], color=GREY, linewidth=0.8
+        )
+        overview.set_title("all designs")
+        dress(front, titled(name, result.judge.unit(name)))
+        front.set_xlabel("design number" if across is None else titled(across, result.judge.unit(across)))
+    if result.finalists:
+        _design_table(picture.add_subplot(grid[-1, :]), result, names)
     return picture
 
 
-def _goals(panel: Axes, result: DesignResult, across: str | None, up: str) -> None:
-    """Draw one goal over another, or over the number of the design."""
+def _coordinates(
+    result: DesignResult, rows: Sequence[Row], across: str | None, up: str
+) -> tuple[Array, Array]:
+    """Return the coordinates of designs, shape (n,) each; NaN for missing metrics."""
     place = {str(row.point): n for n, row in enumerate(result.rows, 1)}
+    x = [place[str(row.point)] if across is None else row.metrics.get(across, np.nan) for row in rows]
+    return np.array(x, dtype=float), np.array([row.metrics.get(up, np.nan) for row in rows], dtype=float)
 
-    def points(rows: Sequence[Row]) -> tuple[Array, Array]:
-        """Return the coordinates of rows; NaN for missing metrics."""
-        x = [place[str(row.point)] if across is None else row.metrics.get(across, np.nan) for row in rows]
-        return np.array(x, dtype=float), np.array([row.metrics.get(up, np.nan) for row in rows])
 
-    meets = [result.judge.meets(row) for row in result.rows]
-    groups = ("violates a limit", False, "0.8"), ("satisfies all limits", True, "tab:blue")
+def _goals(panel: Axes, result: DesignResult, across: str | None, up: str, markersize: float = 5.0) -> None:
+    """Draw one goal over another, or over the number of the design."""
+    points = partial(_coordinates, result, across=across, up=up)
+    margin = result.judge.spec.search.margin
+    meets = [result.judge.meets(row, margin) for row in result.rows]
+    limits = f"with a margin of {100.0 * margin:.3g} %" if margin else "without a margin"
+    groups = (("violates a limit", False, "0.8"), (f"satisfies all limits {limits}", True, SKY))
     for label, is_group, colour in groups:
         rows = [row for row, is_valid in zip(result.rows, meets, strict=True) if is_valid is is_group]
-        panel.plot(*points(rows), ".", color=colour, markersize=4, label=label)
-    style = "k*" if across is None else "k-"
-    panel.plot(*points(result.front), style, linewidth=1.0, markersize=9, label="Pareto front")
-    for number, finalist in enumerate(result.finalists):
+        panel.plot(*points(rows), ".", color=colour, markersize=markersize, label=label)
+    style = "*" if across is None else "-"
+    x, y = points(result.front)
+    order = np.argsort(x)
+    panel.plot(x[order], y[order], style, color=BLACK, linewidth=1.0, markersize=9, label="Pareto front")
+    for finalist in result.finalists:
         is_valid = result.judge.meets(finalist.checked)
-        (x,), (y,) = points([finalist.checked])
-        panel.plot(x, y, "o" if is_valid else "x", color="tab:green" if is_valid else "tab:red", markersize=8)
-        # Labels of neighbours are on opposite sides.
-        shift = (-14, -14) if number % 2 else (6, 6)
+        marker, colour = ("o", GREEN) if is_valid else ("x", VERMILION)
+        panel.plot(*points([finalist.checked]), marker, color=colour, markersize=1.6 * markersize)
+    panel.plot([], [], "o", color=GREEN, label=f"verified ({result.judge.spec.search.check})")
+
+
+def _zoom(panel: Axes, result: DesignResult, across: str | None, up: str) -> None:
+    """Limit a panel to the Pareto front and number the verified designs, each beside its dot."""
+    finalists = [finalist.checked for finalist in result.finalists]
+    x, y = _coordinates(result, [*result.front, *finalists] or result.rows, across, up)
+    for set_limits, values in ((panel.set_xlim, x), (panel.set_ylim, y)):
+        finite = values[np.isfinite(values)]
+        if finite.size:
+            low, high = float(finite.min()), float(finite.max())
+            margin = MARGIN * max(high - low, MIN_RANGE * max(abs(low), abs(high)))
+            set_limits(low - margin, high + margin)
+    places = np.column_stack(_coordinates(result, finalists, across, up))
+    labels = [finalist.file.stem.rpartition("_")[2] for finalist in result.finalists]
+    # The labels fan out, in the order of the designs along the front.
+    for place, (row, label) in enumerate(sorted(zip(places.tolist(), labels, strict=True))):
+        if not np.isfinite(row).all():
+            continue
         panel.annotate(
-            finalist.file.stem.rpartition("_")[2], (x, y), xytext=shift, textcoords="offset points"
+            label,
+            row,
+            xytext=(14 + 14 * (place % 2), 14 + 16 * (place % 3)),
+            textcoords="offset points",
+            fontweight="bold",
+            arrowprops={"arrowstyle": "-", "color": GREY, "linewidth": 0.8},
         )
-    panel.plot([], [], "o", color="tab:green", label=f"verified ({result.judge.spec.search.check})")
-    dress(panel, titled(up, result.judge.unit(up)))
-    x, y = points(result.rows)
-    _stretch(panel.set_yscale, panel.yaxis, y)
-    panel.set_xlabel("design number")
-    if across is not None:
-        _stretch(panel.set_xscale, panel.xaxis, x)
-        panel.set_xlabel(titled(across, result.judge.unit(across)))
-    panel.margins(0.03)
+
+
+def _design_table(panel: Axes, result: DesignResult, names: Sequence[str]) -> None:
+    """Draw the table of the verified designs: number, goals, limits."""
+    panel.set_axis_off()
+    rows = []
+    for finalist in result.finalists:
+        figures = [finalist.checked.metrics.get(name, math.nan) for name in names]
+        limits = "satisfied" if result.judge.meets(finalist.checked) else "violated"
+        rows.append([finalist.file.stem.rpartition("_")[2], *(f"{value:.4g}" for value in figures), limits])
+    heads = ["design", *(titled(name, result.judge.unit(name)) for name in names), "limits"]
+    table = panel.table(rows, colLabels=heads, loc="center", cellLoc="center", edges="horizontal")
+    table.auto_set_font_size(False)
+    table.set_fontsize(10)
+    table.scale(1.0, 1.3)
 
 
 def _stretch(set_scale: Callable[[str], None], axis: Any, values: Array) -> None:
@@ -260,7 +351,7 @@ def _stretch(set_scale: Callable[[str], None], axis: Any, values: Array) -> None
         return
     set_scale("log")
     axis.set_major_formatter("{x:g}")
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0, 7.0)))
+    axis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
     axis.set_minor_formatter(NullFormatter())
 
 
@@ -270,6 +361,7 @@ def _stretch(set_scale: Callable[[str], None], axis: Any, values: Array) -> None
 BAND_95 = 1.96
 
 
+@styled()
 def fit_figure(result: FitResult) -> Figure:
     """Draw measured and computed values over time, and residuals over noise with a band of 95 %.
 
@@ -289,6 +381,7 @@ def fit_figure(result: FitResult) -> Figure:
         residuals.axhspan(-BAND_95, BAND_95, color=BLUE, alpha=0.12)
         residuals.plot(time[is_used], normalised[is_used], ".", color=BLUE, markersize=4)
         dress(residuals, "residual / noise")
+        residuals.margins(x=0.01)
     panels[-1].set_xlabel("time [s]")
     return figure
 
@@ -298,13 +391,16 @@ def fit_figure(result: FitResult) -> Figure:
 # number of labelled lines in a panel
 NAMED = 3
 # signals share a row if their amplitudes differ by less than this fraction of the maximum
-SAME_RTOL = 1e-6
+SAME_RTOL = 0.01
+# a signal without oscillation: amplitudes from this order on are below this fraction of its maximum
+MIN_ORDER, MIN_FRACTION = 0.5, 0.02
 
 
+@styled()
 def order_figure(result: Orders, title: str, in_hz: bool = False, speed_unit: str = "rad/s") -> Figure:
     """Draw the spectrum of each signal and its waterfall, over the speed in a run-up, otherwise over time.
 
-    Constant signals are omitted. Signals with equal amplitudes share a row.
+    Signals without oscillation are omitted. Signals with equal amplitudes share a row.
 
     Args:
         result: Result of orders.
@@ -322,7 +418,7 @@ def order_figure(result: Orders, title: str, in_hz: bool = False, speed_unit: st
         _spectrum(left, result, name, label)
         mesh = _waterfall(right, result, name, in_hz, "rpm" if in_hz else speed_unit)
         if mesh is not None:
-            figure.colorbar(mesh, ax=right, label=result.units[name])
+            figure.colorbar(mesh, ax=right, label=f"amplitude [{printed_unit(result.units[name])}]")
     for axes, in_order in zip(panels[-1], (True, not in_hz), strict=True):
         axes.set_xlim(0.0, result.highest * (1.0 if in_order else float(result.rate.max())))
         axes.set_xlabel(f"order [cycles per {BASES[result.of]}]" if in_order else "frequency [Hz]")
@@ -333,9 +429,10 @@ def _rows_of(result: Orders) -> dict[str, str]:
     """Return the label of each oscillating signal, with the names of signals of equal amplitudes."""
     labels: dict[str, list[str]] = {}
     for name, amplitude in result.amplitude.items():
-        if not amplitude.any():
-            continue
         maximum = float(amplitude.max())
+        oscillation = float(amplitude[result.order >= MIN_ORDER].max(initial=0.0))
+        if oscillation <= MIN_FRACTION * maximum:
+            continue
         equal_signals = (
             other
             for other in labels
@@ -351,8 +448,17 @@ def _spectrum(axes: Axes, result: Orders, name: str, label: str) -> None:
     axes.plot(result.order, amplitude, color=VERMILION, linewidth=1.2)
     for line in result.largest(NAMED)[name]:
         place = (line.order, float(np.interp(line.order, result.order, amplitude)))
-        axes.annotate(f"{line.order:.4g}", place, ha="center", va="bottom", fontsize=9)
-    axes.set_ylim(0.0, 1.15 * float(amplitude.max()))
+        axes.annotate(
+            f"{line.order:.4g}",
+            place,
+            xytext=(0, 3),
+            textcoords="offset points",
+            ha="center",
+            va="bottom",
+            fontsize=9,
+            bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.7},
+        )
+    axes.set_ylim(0.0, 1.2 * float(amplitude.max()))
     dress(axes, label)
 
 
@@ -368,4 +474,5 @@ def _waterfall(axes: Axes, result: Orders, name: str, in_hz: bool, speed_unit: s
     maximum = float(result.waterfall[name].max())
     norm = LogNorm(1e-3 * maximum, maximum, clip=True)
     across = result.frequency if in_hz else result.order
+    axes.grid(visible=False)
     return axes.pcolormesh(across, over, result.waterfall[name], norm=norm, cmap="viridis", shading="nearest")

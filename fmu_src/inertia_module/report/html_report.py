@@ -1,7 +1,7 @@
-"""Report of a scene as one HTML file, to send or to print: inputs, results, and the command that repeats it.
+"""Report of a scene as one HTML file, to send or to print: answer, details, and the command that repeats it.
 
-The results are the results of the commands run, chart and orders. A section that is not available for the
-scene contains the reason.
+The first page is the answer: checks, main numbers, one figure and the conditions. The results are the results
+of the commands run, chart and orders. A section that is not available for the scene contains the reason.
 """
 
 from __future__ import annotations
@@ -32,12 +32,15 @@ from ..fmu.archive import filled_xml
 from ..interface.variables import LOST_TO, PARAMETER, Group, with_causality
 from ..kernel.codes import ELASTIC
 from ..plots.mechanism import mechanism_figure
+from ..plots.panels import TITLE_PAD
 from ..plots.scenes import scene_figure
 from ..plots.studies import NAMED, chart_figure, order_figure
 from ..scene import Scene, SceneResult
+from ..scene.headings import heading
 from ..scene.keys import in_range, keys_of
-from ..scene.reading import speed_unit
-from ..scene.run import DUTY, FREEWHEELS, input_speed, start_of
+from ..scene.reading import display_units, speed_unit
+from ..scene.run import DUTY, FREEWHEELS, TIME_TO, input_speed, start_of
+from ..scene.summary_text import WIDTH, SummaryWriter, three_digits
 from ..studies.order_analysis import ANGLES, BASES, BEARING, LINK1, SIGNALS, orders
 
 TEMPLATE = Path(__file__).parent / "templates" / "report.html"
@@ -48,8 +51,29 @@ RECORDED = (
     *("satellite_force", "satellite_force_peak", "shaking_moment_x", "shaking_moment_y", "shaking_moment_z"),
     "housing_torque",
 )
-# resolution of figures, and their size over the size on the screen, so that text is legible on paper
-DPI, PRINT_SIZE = 190, 0.8
+# resolution of figures; width in inches, at which text is legible on paper; maximum height of a row of panels
+DPI, WIDTH_ON_PAPER, ROW_HEIGHT = 190, 9.0, 2.0
+# size of the text of legends in the figures of a scene, points
+LEGEND_SIZE = 8.0
+# maximum number of numbers and of inputs on the first page
+MAX_NUMBERS, MAX_INPUTS = 5, 12
+# numbers of the first page by importance; TIME_TO is the start of the names of acceleration times
+MAIN_NUMBERS = {
+    "omega_out_final": "output speed at the end",
+    "output_torque_mean": "mean output torque",
+    TIME_TO: "",
+    "tracking_error_rms": "speed error, RMS",
+    "efficiency": "efficiency",
+    "output_torque_peak": "peak output torque",
+    "satellite_force_peak": "peak force on a satellite bearing",
+    "omega_out_maximum": "maximum output speed",
+    "input_torque_mean": "mean input torque",
+    "driven_acceleration_peak": "peak acceleration of the driven mass",
+    "shaft_torque_peak": "peak shaft torque",
+    "twist_peak": "peak twist of the shaft",
+    "omega_out_peak": "peak speed of the driven mass",
+    "energy_in": "energy from the drive",
+}
 # maximum number of values of a list; of longer lists the report contains the ends
 MAX_VALUES = 16
 
@@ -62,12 +86,26 @@ class Part(NamedTuple):
         columns: Headings of the table.
         rows: Rows of the table.
         picture: Data URI of a figure; "" for none.
+        caption: Caption of the figure.
     """
 
     texts: Sequence[str] = ()
     columns: Sequence[str] = ()
     rows: Sequence[Sequence[str]] = ()
     picture: str = ""
+    caption: str = ""
+
+
+class Check(NamedTuple):
+    """Result of a check on the first page.
+
+    Attributes:
+        is_met: True if the check is met.
+        text: The check in words.
+    """
+
+    is_met: bool
+    text: str
 
 
 def report_file(
@@ -95,15 +133,9 @@ def report_file(
     """
     content = read_file(file, MAX_TEXT_SIZE)
     text = content.decode("utf-8-sig")
-    remarks = [f"warning: {warning}" for warning in result.warnings]
-    remarks += [f"{_words(name)} {remark}" for name, remark in result.remarks.items()]
-    remarks += chosen
+    writer = SummaryWriter(result, display_units(file, keys), WIDTH)
     inputs, *parameters = _input_sections(result.scene, text, keys).items()
-    sections = {
-        "Warnings and remarks": Part(remarks or ["None."]),
-        "Results": _summary(result),
-    }
-    sections |= dict([inputs])
+    sections: dict[str, Part] = dict([inputs])
     parts = PARTS | {"Orders": partial(_orders, fmu=fmu, speed_unit=speed_unit(file, keys))}
     for number, (title, make) in enumerate(parts.items()):
         progress(number / len(PARTS))
@@ -111,27 +143,120 @@ def report_file(
             sections[title] = make(result)
         except InertiaModuleError as reason:
             sections[title] = Part([f"Not available: {reason}."])
+    version, day = f"inertia-module {__version__}", f"{date.today()}"
     origin = {
         "scene file": f"{file.name}, SHA-256 {hashlib.sha256(content).hexdigest()}",
         "FMU": f"{fmu.name} {read_description(fmu, validate=False).guid}",
-        "version": f"inertia-module {__version__}, Python {platform.python_version()}, {platform.platform()}",
-        "date": f"{date.today()}",
+        "version": f"{version}, Python {platform.python_version()}, {platform.platform()}",
+        "date": day,
         "command": command,
     }
-    sections |= dict(parameters)
-    return filled_xml(TEMPLATE, {"scene": result.scene, "sections": sections, "origin": origin, "text": text})
+    conditions = [
+        (key, value.replace("N.m", "N·m").replace("kg.m2", "kg·m²"))
+        for key, value, source, *_ in inputs[1].rows
+        if source != "default" and key != "run.outputs"
+    ]
+    answer = {
+        "checks": _checks(result, writer, chosen),
+        "numbers": _main_numbers(result, writer),
+        "picture": _picture(_scene_figure(result, rows=2), height=3.4),
+        "inputs": conditions[:MAX_INPUTS],
+        "more": len(conditions) > MAX_INPUTS,
+    }
+    page = {
+        "scene": result.scene,
+        "answer": answer,
+        "sections": sections | dict(parameters),
+        "origin": origin,
+        "text": text,
+        "head": {
+            "title": _css_text(result.scene.title),
+            "version": _css_text(f"{file.name}, {day}, {version}"),
+        },
+    }
+    return filled_xml(TEMPLATE, page)
 
 
-def _picture(figure: Figure, size: float = PRINT_SIZE) -> str:
-    """Return a figure without its title as a data URI, because the section has a heading."""
+def _scene_figure(result: SceneResult, rows: int | None = None) -> Figure:
+    """Return the figure of a scene with short titles, because other parts of the report have the numbers.
+
+    Args:
+        result: Result of the run.
+        rows: Maximum number of rows of panels; None for all.
+    """
+    figure = scene_figure(result, rows)
+    for axes in figure.axes:
+        title = axes.get_title(loc="left").partition(": output")[0].partition(" (")[0]
+        axes.set_title(title, loc="left", pad=TITLE_PAD)
+        legend = axes.get_legend()
+        for text in legend.get_texts() if legend else ():
+            text.set_fontsize(LEGEND_SIZE)
+    return figure
+
+
+def _picture(figure: Figure, height: float | None = None, row_height: float = ROW_HEIGHT) -> str:
+    """Return a figure without its title as a data URI, because the section has a heading.
+
+    Args:
+        figure: The figure.
+        height: Height, inches; None for the height of its rows of panels.
+        row_height: Height of a row of panels, inches.
+    """
     figure.suptitle("")
-    figure.set_size_inches(*(size * figure.get_size_inches()))
+    grids = (axes.get_gridspec() for axes in figure.axes)
+    rows = max((grid.nrows for grid in grids if grid is not None), default=1)
+    figure.set_size_inches(WIDTH_ON_PAPER, height or row_height * rows)
     figure.set_dpi(DPI)
     return f"data:image/png;base64,{base64.b64encode(picture_of(figure, 'png')).decode()}"
 
 
 def _words(name: str) -> str:
     return name.replace("_", " ")
+
+
+def _css_text(text: str) -> str:
+    """Return a text for a string of CSS; all characters except letters, digits and spaces are escaped."""
+    return "".join(
+        sign if sign.isascii() and (sign.isalnum() or sign == " ") else f"\\{ord(sign):x} " for sign in text
+    )
+
+
+# --- first page ---
+
+
+def _checks(result: SceneResult, writer: SummaryWriter, chosen: Sequence[str]) -> list[Check]:
+    """Return the checks of a run: warnings and notes, limits that are met, and the energy balance.
+
+    Args:
+        result: Result of the run.
+        writer: Writer of the summary, for units.
+        chosen: Lines about the choice of the fidelity.
+    """
+    notes = [f"{heading(name)} {text}" for name, text in result.remarks.items() if name != DUTY]
+    checks = [Check(False, writer.in_display_units(text)) for text in (*result.warnings, *notes)]
+    for name, limit in result.limits.items():
+        value, unit = result.quantities[name]
+        if value <= limit:
+            scale = writer.scale(unit, value, limit)
+            checks.append(Check(True, f"{heading(name)} {scale.text(value)} (limit {scale.text(limit)})"))
+    residual = writer.metrics.get("energy_residual_relative")
+    if residual is not None:
+        checks.append(Check(True, f"energy balance: relative error {abs(residual):.2g}"))
+    return checks + [Check(True, line) for line in chosen]
+
+
+def _main_numbers(result: SceneResult, writer: SummaryWriter) -> list[tuple[str, str]]:
+    """Return labels and texts of the main numbers of a run."""
+    numbers = []
+    for start, label in MAIN_NUMBERS.items():
+        names = [start] if start in result.quantities else []
+        if start == TIME_TO:
+            names = [name for name in result.quantities if name.startswith(TIME_TO)]
+        for name in names[:1]:
+            value = result.quantities[name].value
+            text = f"{three_digits(100.0 * value)} %" if name == "efficiency" else writer.text(name)
+            numbers.append((label or heading(name), text))
+    return numbers[:MAX_NUMBERS]
 
 
 # --- inputs ---
@@ -213,7 +338,8 @@ def _summary(result: SceneResult) -> Part:
     lines = list(result.lines().items())
     half = -(-len(lines) // 2)
     pairs = zip_longest(lines[:half], lines[half:], fillvalue=("", ""))
-    return Part([], ("number", "value") * 2, [(*left, *right) for left, right in pairs])
+    text = "All metrics of the run in SI units, in the order of summary.json."
+    return Part([text], ("number", "value") * 2, [(*left, *right) for left, right in pairs])
 
 
 def _module(result: SceneResult) -> Scene:
@@ -229,7 +355,16 @@ def _mechanism(result: SceneResult) -> Part:
         "One module, to scale. The sketch shows pitch circles or pitch cones; other dimensions are not"
         " parameters."
     )
-    return Part([text], picture=_picture(mechanism_figure(_module(result).parameters())))
+    picture = _picture(mechanism_figure(_module(result).parameters()), height=3.2)
+    return Part(picture=picture, caption=text)
+
+
+def _curves(result: SceneResult) -> Part:
+    """Return the section with the curves of the run."""
+    caption = (
+        "Results over time. A band is the range of a signal that oscillates faster than the picture resolves."
+    )
+    return Part(picture=_picture(_scene_figure(result), row_height=1.65), caption=caption)
 
 
 def _chart(result: SceneResult) -> Part:
@@ -247,9 +382,11 @@ def _chart(result: SceneResult) -> Part:
     at = f"at the maximum speed of link 1 in the run, {omega1:.5g} rad/s"
     limit = scene.drive_torque_limit(omega1)
     beyond = "" if limit is None else chart.beyond_drive(omega1, limit)
-    texts = [f"Steady-state means over the speed ratio, {at}."]
-    texts += [f"{beyond[0].upper()}{beyond[1:]}."] if beyond else []
-    return Part(texts, ("number", "value"), rows, _picture(figure))
+    half = -(-len(rows) // 2)
+    pairs = [(*a, *b) for a, b in zip_longest(rows[:half], rows[half:], fillvalue=("", ""))]
+    texts = [f"{beyond[0].upper()}{beyond[1:]}."] if beyond else []
+    caption = f"Steady-state means over the speed ratio, {at}."
+    return Part(texts, ("number", "value") * 2, pairs, _picture(figure), caption)
 
 
 def _orders(result: SceneResult, fmu: Path | None = None, speed_unit: str = "rad/s") -> Part:
@@ -271,7 +408,7 @@ def _orders(result: SceneResult, fmu: Path | None = None, speed_unit: str = "rad
     text = f"Orders in cycles per {BASES[LINK1]}, from {begin:g} s to {end:g} s."
     text += f" They were recorded in steps of {spectra.step * 1e3:.3g} ms."
     picture = _picture(order_figure(spectra, "", speed_unit=speed_unit))
-    return Part([text], ("signal", "order", "amplitude"), rows, picture)
+    return Part([], ("signal", "order", "amplitude"), rows, picture, text)
 
 
 def _energy(result: SceneResult) -> Part:
@@ -308,9 +445,10 @@ def _duty(result: SceneResult) -> Part:
 # sections of the results by title
 PARTS: dict[str, Callable[[SceneResult], Part]] = {
     "Mechanism": _mechanism,
-    "Curves": lambda result: Part(picture=_picture(scene_figure(result), size=1.0)),
-    "Torque converter chart": _chart,
-    "Orders": _orders,
+    "Results": _summary,
     "Energy and losses": _energy,
     "Freewheel duty": _duty,
+    "Curves": _curves,
+    "Torque converter chart": _chart,
+    "Orders": _orders,
 }

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.units import factor_between
+from ..common.units import factor_between, printed_unit
 from ..interface.variables import ENUMERATIONS, LOSSES, LOST_TO
 from ..kernel.codes import RIGID
 from .headings import heading
@@ -118,11 +118,6 @@ def two_digits(value: float) -> str:
     return f"{float(f'{value:.1e}'):g}"
 
 
-def _printed(unit: str) -> str:
-    """Return a unit with the signs of print: N·m, rad/s²."""
-    return re.sub(r"(?<=[a-z])2$", "²", unit).replace("N.m", "N·m")
-
-
 def wrapped(label: str, items: Sequence[str], width: int = WIDTH) -> list[str]:
     """Return a label and its items as lines; no line without items.
 
@@ -202,7 +197,7 @@ class SummaryWriter:
         display, largest = self.units.get(unit, unit), max(map(abs, values))
         multiples = _MULTIPLES.get(display, ())
         display = next((multiple for minimum, multiple in multiples if largest >= minimum), display)
-        return Scale(factor_between(unit, display), _printed(display))
+        return Scale(factor_between(unit, display), printed_unit(display))
 
     def text(self, name: str) -> str:
         """Return a metric as text with its unit.
