@@ -214,6 +214,40 @@ def test_bad_value_shows_a_sentence_and_keeps_the_last_good_run(page):
     assert page.errors == []
 
 
+def test_field_takes_a_unit_and_leaves_a_wrong_text(page):
+    field, reason = page.page.locator("#set-omega1"), page.page.locator("#set-omega1-reason")
+    set_field(page, "omega1", "3000 rpm")
+    page.page.wait_for_function("Math.abs(inertiaModule.state().settings.changed.omega1 - 314.159265) < 1e-5")
+    assert field.input_value() == "314.1593"
+    for text, words in (("abc", "not a number with a unit"), ("5 rpmm", "unknown unit 'rpmm'"), ("", "not a number")):
+        set_field(page, "omega1", text)
+        assert (field.input_value(), field.get_attribute("aria-invalid")) == (text, "true")
+        assert words in reason.inner_text()
+        assert page.state("settings.changed.omega1") == pytest.approx(100 * np.pi)
+    # a value of the scene is no change
+    row = page.page.locator(".field", has=field)
+    assert "changed" in row.get_attribute("class")
+    set_field(page, "omega1", "100")
+    assert (page.state("settings.changed"), reason.inner_text()) == ({}, "")
+    assert "changed" not in row.get_attribute("class")
+    assert page.errors == []
+
+
+def test_speeds_are_in_rpm_in_the_whole_page(page):
+    page.page.get_by_label("Unit of rotational speeds").select_option("rpm")
+    page.settled().drawn()
+    assert page.page.locator("#set-omega1").input_value() == "954.9297"
+    table = page.page.locator(".instruments").first.inner_text()
+    assert "rpm" in table
+    assert "rad/s" not in table
+    legend = page.page.locator(".panel .legend").first.inner_text()
+    assert float(re.search(r"input (\S+) rpm", legend)[1]) == pytest.approx(954.93, abs=0.01)
+    set_field(page, "omega1", "1000")
+    page.page.wait_for_function("inertiaModule.state().settings.changed.omega1 > 104.7")
+    assert page.state("settings.changed.omega1") == pytest.approx(1000 * np.pi / 30)
+    assert "speed-unit=rpm" in page.state("hash")
+
+
 def test_keyboard_works(page):
     keys = page.page.keyboard
     time = page.shown("time")

@@ -1,12 +1,13 @@
 // The viewer: settings, run, clock, animation and curves.
 
 import { byId } from "./common/dom";
+import { setSpeedUnit } from "./common/units";
 import { fromHash, toHash } from "./controls/link";
 import { nextSwitch, pulseAround } from "./controls/pulses";
 import { calmSpeed, Player } from "./controls/player";
 import { SCENES } from "./controls/scenes";
 import { Session } from "./controls/session";
-import { currentValue, requestOf, Store, type Settings } from "./controls/settings";
+import { currentValue, requestOf, Store, withChange, type Settings } from "./controls/settings";
 import { Curves } from "./curves/curves";
 import type { Shown } from "./machine/view";
 import { variables, type Run } from "./run/run";
@@ -39,6 +40,7 @@ export class App {
   constructor() {
     const linked = fromHash(location.hash, [...SCENES.keys()], SETTABLE);
     this.store = new Store(linked.settings);
+    setSpeedUnit(linked.settings.speedUnit);
     this.player = new Player(() => { this.changed(); });
     this.picture = new Picture(() => { this.want(); });
     this.curves = new Curves(byId("curves"), (time) => { this.player.set({ time, loop: null }); });
@@ -75,7 +77,7 @@ export class App {
 
   /** Set a variable, duration or step. */
   set(name: string, value: number): void {
-    this.store.set({ changed: { ...this.store.get().changed, [name]: value } });
+    this.store.set({ changed: withChange(this.scene, this.store.get().changed, name, value) });
   }
 
   /** Take a scene as it is. */
@@ -144,6 +146,7 @@ export class App {
   }
 
   private settled(): void {
+    if (setSpeedUnit(this.store.get().speedUnit)) this.curves.rebuild();
     this.picture.show(this.store.get().shown);
     this.panels.settings();
     // sliders move many times in a frame

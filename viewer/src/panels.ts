@@ -2,6 +2,7 @@
 
 import type { App } from "./app";
 import { button, byId, choice, element, tick } from "./common/dom";
+import { SPEED_UNITS, type SpeedUnit } from "./common/units";
 import { csv, download, toml } from "./controls/files";
 import { helpButton } from "./controls/help";
 import { listen } from "./controls/keyboard";
@@ -34,12 +35,16 @@ export class Panels {
   private readonly scenes: HTMLSelectElement;
   private readonly reset: HTMLButtonElement;
   private readonly showBoxes: (shown: Shown) => void;
+  private readonly speedUnit: HTMLSelectElement;
   private updated = 0;
 
   constructor(private readonly app: App, curves: Curves, picture: Picture) {
     this.scenes = choice("Scene", [...SCENES].map(([name, { title }]) => [name, title]), app.store.get().scene, (name) => { app.choose(name); });
     this.reset = button("Reset", "Reset all settings of the scene", () => { app.store.set({ changed: {} }); });
     byId("scene").append(this.scenes, this.reset);
+    this.speedUnit = choice("Unit of rotational speeds", SPEED_UNITS.map((unit) => [unit, unit]), app.store.get().speedUnit, (unit) => {
+      app.store.set({ speedUnit: unit as SpeedUnit });
+    });
     this.tools();
     this.showBoxes = this.boxes();
     this.bar = new PlayBar(app.player, {
@@ -60,7 +65,7 @@ export class Panels {
   /** Show the settings. */
   settings(): void {
     const { app } = this;
-    const { scene, changed, shown } = app.store.get();
+    const { scene, changed, shown, speedUnit } = app.store.get();
     this.scenes.value = scene;
     this.reset.disabled = Object.keys(changed).length === 0;
     this.sliders.show((name) => app.value(name), (name) => name in changed);
@@ -68,6 +73,7 @@ export class Panels {
     byId("story").textContent = story;
     this.scenes.title = story;
     this.showBoxes(shown);
+    this.speedUnit.value = speedUnit;
   }
 
   say(error: string, warnings: readonly string[]): void {
@@ -92,6 +98,7 @@ export class Panels {
       void navigator.clipboard.writeText(location.href).then(() => { this.say("", ["link copied"]); });
     });
     byId("tools").append(
+      this.speedUnit,
       button("CSV", "Download the run as CSV", () => { if (app.run) download(`${name()}.csv`, csv(app.run), "text/csv"); }),
       button("TOML", "Download the scene as TOML", () => {
         download(`${name()}.toml`, toml(app.scene, app.store.get().changed), "application/toml");
