@@ -132,7 +132,7 @@ export class App {
     return {
       ...this.player.clock, settings: this.store.get(), run: this.run, error: this.error, busy: this.busy || this.asked,
       hash: this.hash(), imbalance: this.picture.imbalance(), play: this.picture.play,
-      chart: this.curves.chartPoints(),
+      chart: this.curves.chartPoints(), pixelRatio: this.picture.pixelRatio,
     };
   }
 

@@ -4,6 +4,7 @@ import type { App } from "./app";
 import { button, byId, choice, element, tick } from "./common/dom";
 import { SPEED_UNITS, type SpeedUnit } from "./common/units";
 import { csv, download, toml } from "./controls/files";
+import { FIELDS_OF } from "./controls/groups";
 import { helpButton } from "./controls/help";
 import { listen } from "./controls/keyboard";
 import { PlayBar } from "./controls/playbar";
@@ -13,7 +14,7 @@ import { Sliders } from "./controls/sliders";
 import { followTheme, switchTheme } from "./controls/theme";
 import type { Curves } from "./curves/curves";
 import type { TraceFrame } from "./machine/trace";
-import type { Shown } from "./machine/view";
+import { VIEWS, type Shown } from "./machine/view";
 import type { Picture } from "./picture";
 import type { Run } from "./run/run";
 import { lengthOf } from "./run/sample";
@@ -25,6 +26,10 @@ const SWITCHES: readonly (readonly [keyof Shown, string])[] = [
 const TRACES: readonly (readonly [TraceFrame, string])[] = [
   ["link1", "path: relative to the carrier"], ["fixed", "path: fixed frame"], ["off", "no path"],
 ];
+
+/** Factor of the distance and angle (rad) of one step of the camera. */
+const ZOOM = 1.15;
+const TURN = Math.PI / 24;
 
 export class Panels {
   private readonly bar: PlayBar;
@@ -60,6 +65,13 @@ export class Panels {
       element("h2", {}, "Settings"), this.sliders.root);
     followTheme(() => { curves.rebuild(); });
     this.keys(picture);
+    byId("views").append(
+      ...VIEWS.map((from) => button(from === "home" ? "all" : from, `View: ${from === "home" ? "whole mechanism" : from}`, () => { picture.look(from); })),
+      button("+", "Zoom in", () => { picture.zoom(1 / ZOOM); }), button("−", "Zoom out", () => { picture.zoom(ZOOM); }));
+    picture.pointed = (part) => {
+      this.now.relate(part);
+      this.sliders.relate(part === null ? [] : FIELDS_OF[part] ?? []);
+    };
   }
 
   /** Show the settings. */
@@ -137,7 +149,16 @@ export class Panels {
       f: () => { flip("follow"); },
       c: () => { flip("cut"); },
       t: () => { flip("torques"); },
-      v: () => { picture.look(); },
+      v: () => { picture.look("home"); },
+      1: () => { picture.look("front"); },
+      2: () => { picture.look("along the shaft"); },
+      3: () => { picture.look("isometric"); },
+      i: () => { picture.zoom(1 / ZOOM); },
+      o: () => { picture.zoom(ZOOM); },
+      "Shift+ArrowLeft": () => { picture.turn(-TURN, 0); },
+      "Shift+ArrowRight": () => { picture.turn(TURN, 0); },
+      "Shift+ArrowUp": () => { picture.turn(0, TURN); },
+      "Shift+ArrowDown": () => { picture.turn(0, -TURN); },
     });
   }
 }

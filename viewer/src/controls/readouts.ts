@@ -79,10 +79,14 @@ const AUDIT: readonly Row[] = [
   { name: "residual (integration error)", part: "", unit: "J", text: (run, time) => numberText(valueAt(run, "energy_residual", time), 3) },
 ];
 
+/** Parts without rows of their own, and the part whose rows apply. */
+const OF_ROWS: Readonly<Record<string, string>> = { drive: "link1", satellite: "imbalance" };
+
 /** A table of values at a time. */
 class Instruments {
   readonly root: HTMLTableElement;
   private readonly cells: { cell: HTMLElement; unitCell: HTMLElement; unit: string; text: Row["text"] }[];
+  private readonly rows: { row: HTMLElement; part: string }[] = [];
   private readonly caption: HTMLElement;
 
   constructor(private readonly title: string, rows: readonly Row[], private readonly coarse = "") {
@@ -91,11 +95,18 @@ class Instruments {
       const cell = element("td");
       const head = element("th", { scope: "row" }, element("i", { class: `dot part-${part || "none"}` }), name);
       const unitCell = element("td", { class: "unit" });
-      body.append(element("tr", {}, head, cell, unitCell));
+      const row = element("tr", {}, head, cell, unitCell);
+      body.append(row);
+      this.rows.push({ row, part });
       return { cell, unitCell, unit, text };
     });
     this.caption = element("caption", {}, title);
     this.root = element("table", { class: "instruments" }, this.caption, body);
+  }
+
+  /** Mark the rows of a part; null: none. */
+  relate(part: string | null): void {
+    for (const { row, part: own } of this.rows) row.classList.toggle("related", part !== null && own === (OF_ROWS[part] ?? part));
   }
 
   show(run: Run, time: number): void {
