@@ -12,6 +12,7 @@ import { audit, instruments } from "./controls/readouts";
 import { SCENES } from "./controls/scenes";
 import { Sliders } from "./controls/sliders";
 import { followTheme, switchTheme } from "./controls/theme";
+import { Tour } from "./controls/tour";
 import type { Curves } from "./curves/curves";
 import type { TraceFrame } from "./machine/trace";
 import { VIEWS, type Shown } from "./machine/view";
@@ -40,6 +41,7 @@ export class Panels {
   private readonly scenes: HTMLSelectElement;
   private readonly reset: HTMLButtonElement;
   private readonly showBoxes: (shown: Shown) => void;
+  private readonly tour: Tour;
   private readonly speedUnit: HTMLSelectElement;
   private updated = 0;
 
@@ -64,6 +66,11 @@ export class Panels {
       element("div", { class: "tables" }, this.now.root, this.audit.root),
       element("h2", {}, "Settings"), this.sliders.root);
     followTheme(() => { curves.rebuild(); });
+    this.tour = new Tour(byId("tour"), (step) => {
+      curves.choose(step.curves, step.third);
+      this.bar.window(step.turns);
+      app.follow(step);
+    });
     this.keys(picture);
     byId("views").append(
       ...VIEWS.map((from) => button(from === "home" ? "all" : from, `View: ${from === "home" ? "whole mechanism" : from}`, () => { picture.look(from); })),
@@ -115,7 +122,7 @@ export class Panels {
       button("TOML", "Download the scene as TOML", () => {
         download(`${name()}.toml`, toml(app.scene, app.store.get().changed), "application/toml");
       }),
-      share, button("◐", "Light or dark theme", switchTheme), helpButton());
+      share, button("Tour", "Guided tour in five steps", () => { this.tour.start(); }), button("◐", "Light or dark theme", switchTheme), helpButton());
   }
 
   /** Check boxes and list of the visible items; the returned function sets them. */

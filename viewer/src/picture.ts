@@ -73,6 +73,11 @@ export class Picture {
     this.again();
   }
 
+  /** Remarks on the picture. */
+  get remarks(): readonly string[] {
+    return this.view.remarks;
+  }
+
   /** Pixels per CSS pixel of the last picture: for tests. */
   get pixelRatio(): number {
     return this.view.pixelRatio;

@@ -38,6 +38,13 @@ export class TimePanel {
     this.listen();
   }
 
+  /** Show another panel of signals. */
+  choose(id: string): void {
+    this.select.value = id;
+    this.panel = panelOf(id);
+    this.rebuild();
+  }
+
   /** Show a run between two times, s. */
   show(run: Run, window: [number, number]): void {
     const other = !this.run || isCoarse(this.run) !== isCoarse(run);

@@ -142,6 +142,8 @@ export function bevelMechanism(shape: Bevel, imbalanceRadius: number, drawn: num
     link1, link2,
     from: -flange, to: radius16, reach: Math.max(slant, Math.hypot(needs.radius, bearing)), thick,
     shift: 0, front: 0, imbalance: first.imbalance, imbalanceAt: new Vector3(shape.arm, 0, -shape.axis),
+    remarks: drawn > 1 && radius16 > radius2 * Math.tan(Math.PI / shape.modules) * 0.95
+      ? [`The ${shape.modules} modules overlap in the picture: the sizes of gears 2 and 16 are schematic.`] : [],
     names: [
       { text: `drive gear ${z16}, on the pinion shaft`, part: "drive", on: frontModule, at: new Vector3(0, -radius16 * 0.94, radius2), side: "above" },
       { text: `gear ${z17}, fixed to link 1`, part: "link1", on: frontModule, at: new Vector3(0, -shape.slant * Math.sin(shape.psi), needs.bottom), side: "below" },

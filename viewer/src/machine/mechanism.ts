@@ -25,6 +25,8 @@ export interface Mechanism {
   /** Reference mass (planet 0, module 0), and its centre in the frame of its mesh. */
   readonly imbalance: Mesh;
   readonly imbalanceAt: Vector3;
+  /** Remarks on the picture. */
+  readonly remarks: readonly string[];
   /** Names of its parts. */
   readonly names: readonly PartName[];
   /** Turn pinion shafts, planets and gear 2 to the pinion-shaft angle q, rad. */

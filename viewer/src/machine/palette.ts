@@ -7,6 +7,13 @@ export type Part = keyof typeof PARTS;
 
 const CUT_PARTS = ["link2", "output", "housing"] as const;
 
+/** Draw inner surfaces, which only a cut shows, in one light colour: the cut looks like the section of a solid. */
+function capped(shader: { fragmentShader: string }): void {
+  shader.fragmentShader = shader.fragmentShader.replace(
+    "#include <opaque_fragment>",
+    "if (!gl_FrontFacing) outgoingLight = mix(diffuse, vec3(1.0), 0.35);\n#include <opaque_fragment>");
+}
+
 /** Materials of all parts. Races, gears and housing are cut in the cut-away. */
 export class Palette {
   readonly materials: Record<Part, MeshPhongMaterial>;
@@ -17,6 +24,7 @@ export class Palette {
     this.materials = Object.fromEntries(
       Object.entries(PARTS).map(([part, colour]) => [part, make(colour)]),
     ) as Record<Part, MeshPhongMaterial>;
+    for (const part of CUT_PARTS) this.materials[part].onBeforeCompile = capped;
   }
 
   /** Cut the outer parts along planes; without planes they are whole. */

@@ -78,6 +78,7 @@ export function planarMechanism(shape: Planar, imbalanceRadius: number, drawn: n
   return {
     link1, link2, from: -width * 0.95, to: last + width * 0.3, reach, thick, shift: step, front: -width * 0.68,
     imbalance: first, imbalanceAt: new Vector3(0, 0, -shape.arm),
+    remarks: drawn > 1 ? ["The modules act in one plane; the picture shows them side by side."] : [],
     names: [
       { text: "satellite", part: "satellite", on: frontSpin, at: new Vector3(0, 0, 0), side: "above" },
       { text: "sun gear, link 2", part: "link2", on: link2, at: new Vector3(0, 0, -shape.sun * 0.85), side: "below" },

@@ -190,6 +190,11 @@ export class View {
     this.labels.margins = { above, below };
   }
 
+  /** Remarks on the picture. */
+  get remarks(): readonly string[] {
+    return this.built?.mechanism.remarks ?? [];
+  }
+
   /** Pixels per CSS pixel of the last picture. */
   get pixelRatio(): number {
     return this.renderer.getPixelRatio();
