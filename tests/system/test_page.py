@@ -248,6 +248,44 @@ def test_speeds_are_in_rpm_in_the_whole_page(page):
     assert "speed-unit=rpm" in page.state("hash")
 
 
+def test_tour_sets_view_curves_and_time(page):
+    page.press("Tour")
+    tour = page.page.locator("#tour")
+    for step, locked in enumerate((None, None, "housing freewheel", "output freewheel", None), start=1):
+        page.page.wait_for_function("!inertiaModule.state().busy")
+        page.settled().drawn()
+        assert tour.inner_text().startswith(f"{step} of 5")
+        assert page.state("time") > 0
+        if locked:
+            row = page.page.get_by_role("row", name=locked).locator("td").first
+            assert row.inner_text() == "locked"
+            assert page.state("loop") is not None
+        page.press("Finish" if step == 5 else "Next")
+    assert tour.is_hidden()
+    assert page.page.get_by_label("Phase plot or torque converter chart").input_value() == "chart"
+    assert page.errors == []
+
+
+def test_view_turns_by_keys_and_buttons_and_names_do_not_overlap(page):
+    page.page.set_viewport_size(DESK)
+    page.drawn()
+    places = "[...document.querySelectorAll('.label:not([hidden])')].map(box => box.getBoundingClientRect().toJSON())"
+    seen = [page.page.evaluate(places)]
+    for press in ("front", "along the shaft", "isometric", "Zoom in"):
+        page.press(press)
+        seen.append(page.drawn().page.evaluate(places))
+    for key in ("Shift+ArrowLeft", "Shift+ArrowUp", "o", "1"):
+        page.page.keyboard.press(key)
+        seen.append(page.drawn().page.evaluate(places))
+    for before, after in zip(seen, seen[1:], strict=False):
+        assert before != after
+    for boxes in seen:
+        for n, box in enumerate(boxes):
+            for other in boxes[:n]:
+                apart = box["left"] >= other["right"] or other["left"] >= box["right"]
+                assert apart or box["top"] >= other["bottom"] or other["top"] >= box["bottom"]
+
+
 def test_keyboard_works(page):
     keys = page.page.keyboard
     time = page.shown("time")
@@ -317,6 +355,7 @@ def test_converter_chart_is_that_of_the_package(page):
 # --- on a phone and a desk, in light and dark, for a screen reader; and how quick it is ---
 
 AXE = ROOT / "viewer" / "node_modules" / "axe-core" / "axe.min.js"
+AXE_RUN = "axe.run({ rules: { 'target-size': { enabled: true } } })"
 PAPER = "getComputedStyle(document.body).backgroundColor"
 
 
@@ -345,14 +384,33 @@ def test_axe_finds_no_serious_fault(sized):
     sized.page.evaluate(AXE.read_text())
     for scheme in ("light", "dark"):
         sized.page.emulate_media(color_scheme=scheme)
-        sized.drawn()
-        serious = [
-            (fault["id"], node["target"], node["failureSummary"])
-            for fault in sized.page.evaluate("axe.run()")["violations"]
-            if fault["impact"] in ("serious", "critical")
-            for node in fault["nodes"]
-        ]
-        assert serious == [], scheme
+        assert serious_faults(sized) == [], scheme
+    set_field(sized, "omega1", "abc")
+    assert serious_faults(sized) == [], "wrong text in a field"
+    sized.press("Tour")
+    sized.settled()
+    assert serious_faults(sized) == [], "tour"
+    sized.press("End tour")
+    sized.press("What is this? Keys")
+    assert serious_faults(sized) == [], "help"
+
+
+def serious_faults(opened):
+    """Return the serious faults that axe finds in the page as it is."""
+    return [
+        (fault["id"], node["target"], node["failureSummary"])
+        for fault in opened.drawn().page.evaluate(AXE_RUN)["violations"]
+        if fault["impact"] in ("serious", "critical")
+        for node in fault["nodes"]
+    ]
+
+
+def test_touch_targets_have_24_pixels(sized):
+    sized.page.evaluate("document.querySelectorAll('details').forEach(group => { group.open = true; })")
+    small = """[...document.querySelectorAll('button, select, input, summary')].filter(
+        box => box.checkVisibility() && Math.min(box.offsetWidth, box.offsetHeight) < 24
+    ).map(box => box.outerHTML.slice(0, 80))"""
+    assert sized.page.evaluate(small) == []
 
 
 def test_first_picture_and_frames_are_quick(browser, written):

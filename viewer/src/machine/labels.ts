@@ -83,7 +83,7 @@ export class Labels {
         rows[row] = left + label.width;
         const top = side === "above" ? this.margins.above + ROW * row : height - this.margins.below - ROW * (row + 1);
         const edge = side === "above" ? top + ROW - 3 : top;
-        label.chip.style.transform = `translate(${left.toFixed(1)}px, ${top.toFixed(1)}px)`;
+        label.chip.style.transform = `translate(clamp(0px, ${left.toFixed(1)}px, ${width}px - 100%), ${top.toFixed(1)}px)`;
         lead(label.line, left + label.width / 2, edge, x, y);
       }
     }

@@ -1,7 +1,7 @@
 // Resolution of the picture: full at rest, lower while the frames of a motion are slow.
 
 /** Fractions of the full resolution, from fast to slow machines. */
-const FRACTIONS = [1, 0.7, 0.5, 0.35] as const;
+const FRACTIONS = [1, 0.7, 0.5] as const;
 /** Mean times between frames for a lower and a higher resolution, s. */
 const SLOW = 1 / 20;
 const FAST = 1 / 45;
