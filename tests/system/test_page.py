@@ -6,6 +6,7 @@ import math
 import re
 import tomllib
 import zlib
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -219,7 +220,8 @@ def test_field_takes_a_unit_and_leaves_a_wrong_text(page):
     set_field(page, "omega1", "3000 rpm")
     page.page.wait_for_function("Math.abs(inertiaModule.state().settings.changed.omega1 - 314.159265) < 1e-5")
     assert field.input_value() == "314.1593"
-    for text, words in (("abc", "not a number with a unit"), ("5 rpmm", "unknown unit 'rpmm'"), ("", "not a number")):
+    reasons = {"abc": "not a number with a unit", "5 rpmm": "unknown unit 'rpmm'", "": "not a number"}
+    for text, words in reasons.items():
         set_field(page, "omega1", text)
         assert (field.input_value(), field.get_attribute("aria-invalid")) == (text, "true")
         assert words in reason.inner_text()
@@ -269,7 +271,8 @@ def test_tour_sets_view_curves_and_time(page):
 def test_view_turns_by_keys_and_buttons_and_names_do_not_overlap(page):
     page.page.set_viewport_size(DESK)
     page.drawn()
-    places = "[...document.querySelectorAll('.label:not([hidden])')].map(box => box.getBoundingClientRect().toJSON())"
+    labels = "[...document.querySelectorAll('.label:not([hidden])')]"
+    places = f"{labels}.map(box => box.getBoundingClientRect().toJSON())"
     seen = [page.page.evaluate(places)]
     for press in ("front", "along the shaft", "isometric", "Zoom in"):
         page.press(press)
@@ -277,8 +280,7 @@ def test_view_turns_by_keys_and_buttons_and_names_do_not_overlap(page):
     for key in ("Shift+ArrowLeft", "Shift+ArrowUp", "o", "1"):
         page.page.keyboard.press(key)
         seen.append(page.drawn().page.evaluate(places))
-    for before, after in zip(seen, seen[1:], strict=False):
-        assert before != after
+    assert all(before != after for before, after in pairwise(seen))
     for boxes in seen:
         for n, box in enumerate(boxes):
             for other in boxes[:n]:

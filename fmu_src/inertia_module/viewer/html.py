@@ -138,7 +138,8 @@ def _units(of: set[str]) -> dict[str, dict[str, float]]:
         of: Units of the variables; "" and "1" are left out.
     """
     return {
-        unit: {name: factor_between(name, unit) for name in units_like(unit)} for unit in sorted(of - {"", "1"})
+        unit: {name: factor_between(name, unit) for name in units_like(unit)}
+        for unit in sorted(of - {"", "1"})
     }
 
 
