@@ -61,6 +61,11 @@ export class Labels {
     return chip;
   }
 
+  /** Measure all names again: the size of the letters depends on the size of the page. */
+  resize(): void {
+    for (const label of this.labels) label.width = 0;
+  }
+
   /** Move the names into rows by their places along the view; names of one row do not overlap. */
   place(camera: Camera, width: number, height: number): void {
     if (this.host.hidden) return;

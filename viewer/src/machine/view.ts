@@ -217,6 +217,7 @@ export class View {
   resize(width: number, height: number, ratio: number): void {
     this.size = { width, height };
     this.fullRatio = ratio;
+    this.labels.resize();
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
