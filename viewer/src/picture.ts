@@ -12,6 +12,8 @@ const AXES = ["x", "y", "z"] as const;
 const TORQUES = ["input_torque", "mesh_torque", "housing_torque", "output_torque"];
 /** Time constant of the freewheel colour, without flashes, s. */
 const CALM = 0.15;
+/** Distance of names from the edges of the view, px. */
+const EDGE = 6;
 /** Time without movement of the camera until the picture is sharp, ms. */
 const SETTLED = 200;
 
@@ -172,7 +174,8 @@ export class Picture {
     this.view.resize(Math.max(host.clientWidth, 1), Math.max(host.clientHeight, 1), Math.min(devicePixelRatio, 2));
     // the check boxes and the description lie over a wide view
     const isWide = matchMedia("(min-width: 1181px)").matches;
-    this.view.setMargins(isWide ? 48 : 6, isWide ? 52 : 6);
+    const over = (id: string): number => (isWide ? byId(id).offsetHeight + 12 : EDGE);
+    this.view.setMargins(over("shown"), Math.max(over("views"), over("story")));
     this.again();
   }
 }

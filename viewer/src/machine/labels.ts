@@ -31,6 +31,8 @@ interface Placed {
 /** Height of a row and gap between names, px. */
 const ROW = 21;
 const GAP = 6;
+/** Largest shift of a name to the right that keeps it in a row, px. */
+const SHIFT = 140;
 
 /** Names with lines. */
 export class Labels {
@@ -82,9 +84,11 @@ export class Labels {
       // ends of the names in each row so far, px
       const rows: number[] = [];
       for (const { label, x, y } of ofSide) {
-        const left = Math.min(Math.max(x - label.width / 2, 2), Math.max(width - label.width - 2, 2));
-        const free = rows.findIndex((end) => end + GAP <= left);
+        const most = Math.max(width - label.width - 2, 2);
+        const natural = Math.min(Math.max(x - label.width / 2, 2), most);
+        const free = rows.findIndex((end) => end + GAP <= Math.min(natural + SHIFT, most));
         const row = free === -1 ? rows.length : free;
+        const left = Math.max(natural, (rows[row] ?? -GAP) + GAP);
         rows[row] = left + label.width;
         const top = side === "above" ? this.margins.above + ROW * row : height - this.margins.below - ROW * (row + 1);
         const edge = side === "above" ? top + ROW - 3 : top;
