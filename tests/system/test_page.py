@@ -6,6 +6,7 @@ import math
 import re
 import tomllib
 import zlib
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -215,6 +216,79 @@ def test_bad_value_shows_a_sentence_and_keeps_the_last_good_run(page):
     assert page.errors == []
 
 
+def test_field_takes_a_unit_and_leaves_a_wrong_text(page):
+    field, reason = page.page.locator("#set-omega1"), page.page.locator("#set-omega1-reason")
+    set_field(page, "omega1", "3000 rpm")
+    page.page.wait_for_function("Math.abs(inertiaModule.state().settings.changed.omega1 - 314.159265) < 1e-5")
+    assert field.input_value() == "314.1593"
+    reasons = {"abc": "not a number with a unit", "5 rpmm": "unknown unit 'rpmm'", "": "not a number"}
+    for text, words in reasons.items():
+        set_field(page, "omega1", text)
+        assert (field.input_value(), field.get_attribute("aria-invalid")) == (text, "true")
+        assert words in reason.inner_text()
+        assert page.state("settings.changed.omega1") == pytest.approx(100 * np.pi)
+    # a value of the scene is no change
+    row = page.page.locator(".field", has=field)
+    assert "changed" in row.get_attribute("class")
+    set_field(page, "omega1", "100")
+    assert (page.state("settings.changed"), reason.inner_text()) == ({}, "")
+    assert "changed" not in row.get_attribute("class")
+    assert page.errors == []
+
+
+def test_speeds_are_in_rpm_in_the_whole_page(page):
+    page.page.get_by_label("Unit of rotational speeds").select_option("rpm")
+    page.settled().drawn()
+    assert page.page.locator("#set-omega1").input_value() == "954.9297"
+    table = page.page.locator(".instruments").first.inner_text()
+    assert "rpm" in table
+    assert "rad/s" not in table
+    legend = page.page.locator(".panel .legend").first.inner_text()
+    assert float(re.search(r"input (\S+) rpm", legend)[1]) == pytest.approx(954.93, abs=0.05)
+    set_field(page, "omega1", "1000")
+    page.page.wait_for_function("inertiaModule.state().settings.changed.omega1 > 104.7")
+    assert page.state("settings.changed.omega1") == pytest.approx(1000 * np.pi / 30)
+    assert "speed-unit=rpm" in page.state("hash")
+
+
+def test_tour_sets_view_curves_and_time(page):
+    page.press("Tour")
+    tour = page.page.locator("#tour")
+    for step, locked in enumerate((None, None, "housing freewheel", "output freewheel", None), start=1):
+        page.page.wait_for_function("!inertiaModule.state().busy")
+        page.settled().drawn()
+        assert tour.inner_text().startswith(f"{step} of 5")
+        assert page.state("time") > 0
+        if locked:
+            row = page.page.get_by_role("row", name=locked).locator("td").first
+            assert row.inner_text() == "locked"
+            assert page.state("loop") is not None
+        page.press("Finish" if step == 5 else "Next")
+    assert tour.is_hidden()
+    assert page.page.get_by_label("Phase plot or torque converter chart").input_value() == "chart"
+    assert page.errors == []
+
+
+def test_view_turns_by_keys_and_buttons_and_names_do_not_overlap(page):
+    page.page.set_viewport_size(DESK)
+    page.drawn()
+    labels = "[...document.querySelectorAll('.label:not([hidden])')]"
+    places = f"{labels}.map(box => box.getBoundingClientRect().toJSON())"
+    seen = [page.page.evaluate(places)]
+    for press in ("front", "along the shaft", "isometric", "Zoom in"):
+        page.press(press)
+        seen.append(page.drawn().page.evaluate(places))
+    for key in ("Shift+ArrowLeft", "Shift+ArrowUp", "o", "1"):
+        page.page.keyboard.press(key)
+        seen.append(page.drawn().page.evaluate(places))
+    assert all(before != after for before, after in pairwise(seen))
+    for boxes in seen:
+        for n, box in enumerate(boxes):
+            for other in boxes[:n]:
+                apart = box["left"] >= other["right"] or other["left"] >= box["right"]
+                assert apart or box["top"] >= other["bottom"] or other["top"] >= box["bottom"]
+
+
 def test_keyboard_works(page):
     keys = page.page.keyboard
     time = page.column("time")
@@ -284,6 +358,7 @@ def test_converter_chart_agrees_with_the_package(page):
 # --- sizes, colour schemes, accessibility and speed ---
 
 AXE = ROOT / "viewer" / "node_modules" / "axe-core" / "axe.min.js"
+AXE_RUN = "axe.run({ rules: { 'target-size': { enabled: true } } })"
 PAPER = "getComputedStyle(document.body).backgroundColor"
 
 
@@ -312,14 +387,33 @@ def test_axe_finds_no_serious_fault(sized):
     sized.page.evaluate(AXE.read_text())
     for scheme in ("light", "dark"):
         sized.page.emulate_media(color_scheme=scheme)
-        sized.drawn()
-        serious = [
-            (fault["id"], node["target"], node["failureSummary"])
-            for fault in sized.page.evaluate("axe.run()")["violations"]
-            if fault["impact"] in ("serious", "critical")
-            for node in fault["nodes"]
-        ]
-        assert serious == [], scheme
+        assert serious_faults(sized) == [], scheme
+    set_field(sized, "omega1", "abc")
+    assert serious_faults(sized) == [], "wrong text in a field"
+    sized.press("Tour")
+    sized.settled()
+    assert serious_faults(sized) == [], "tour"
+    sized.press("End tour")
+    sized.press("What is this? Keys")
+    assert serious_faults(sized) == [], "help"
+
+
+def serious_faults(opened):
+    """Return the serious faults that axe finds in the page as it is."""
+    return [
+        (fault["id"], node["target"], node["failureSummary"])
+        for fault in opened.drawn().page.evaluate(AXE_RUN)["violations"]
+        if fault["impact"] in ("serious", "critical")
+        for node in fault["nodes"]
+    ]
+
+
+def test_touch_targets_have_24_pixels(sized):
+    sized.page.evaluate("document.querySelectorAll('details').forEach(group => { group.open = true; })")
+    small = """[...document.querySelectorAll('button, select, input, summary')].filter(
+        box => box.checkVisibility() && Math.min(box.offsetWidth, box.offsetHeight) < 24
+    ).map(box => box.outerHTML.slice(0, 80))"""
+    assert sized.page.evaluate(small) == []
 
 
 def test_first_picture_and_frames_are_quick(browser, written):

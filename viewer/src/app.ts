@@ -1,12 +1,14 @@
 // The viewer: settings, run, clock, animation and curves.
 
 import { byId } from "./common/dom";
-import { fromHash, toHash } from "./controls/link";
-import { nextSwitch, pulseAround } from "./controls/pulses";
+import { setSpeedUnit } from "./common/units";
+import { fromHash, SHOWN, toHash } from "./controls/link";
+import { nextLocked, nextSwitch, pulseAround } from "./controls/pulses";
 import { calmSpeed, Player } from "./controls/player";
 import { SCENES } from "./controls/scenes";
 import { Session } from "./controls/session";
-import { currentValue, requestOf, Store, type Settings } from "./controls/settings";
+import { currentValue, requestOf, Store, withChange, type Settings } from "./controls/settings";
+import type { TourStep } from "./controls/tour";
 import { Curves } from "./curves/curves";
 import type { Shown } from "./machine/view";
 import { variables, type Run } from "./run/run";
@@ -18,6 +20,14 @@ import { Picture } from "./picture";
 const SETTABLE = new Set([
   ...variables.filter((v) => v.causality === "input" || v.causality === "parameter").map((v) => v.name), "duration", "step",
 ]);
+
+/** Scene of the guided tour, if the page has it. */
+const TOUR_SCENE = "reference";
+
+/** Speed at which a pulse takes four seconds on the wall. */
+function pulseSpeed([from, to]: [number, number]): number {
+  return Number(((to - from) / 4).toPrecision(1)) || 1;
+}
 
 /** The viewer. */
 export class App {
@@ -34,11 +44,14 @@ export class App {
   private asked = false;
   private linking = 0;
   private awake = false;
+  /** Step of the tour whose run is not complete. */
+  private step: TourStep | null = null;
   private last = Infinity;
 
   constructor() {
     const linked = fromHash(location.hash, [...SCENES.keys()], SETTABLE);
     this.store = new Store(linked.settings);
+    setSpeedUnit(linked.settings.speedUnit);
     this.player = new Player(() => { this.changed(); });
     this.picture = new Picture(() => { this.want(); });
     this.curves = new Curves(byId("curves"), (time) => { this.player.set({ time, loop: null }); });
@@ -48,7 +61,7 @@ export class App {
       say: (error, warnings) => {
         this.error = [error, linked.unknown.length > 0 ? `unknown settings in the link: ${linked.unknown.join(", ")}` : ""]
           .filter((text) => text !== "").join("; ");
-        this.panels.say(this.error, warnings);
+        this.panels.say(this.error, [...this.picture.remarks, ...warnings]);
       },
       busy: (busy) => { this.busy = busy; },
     });
@@ -75,7 +88,7 @@ export class App {
 
   /** Set a variable, duration or step. */
   set(name: string, value: number): void {
-    this.store.set({ changed: { ...this.store.get().changed, [name]: value } });
+    this.store.set({ changed: withChange(this.scene, this.store.get().changed, name, value) });
   }
 
   /** Take a scene as it is. */
@@ -83,6 +96,15 @@ export class App {
     this.store.set({ scene, changed: {} });
     this.player.set({ time: 0, loop: null, speed: calmSpeed(this.value("omega1")) });
     this.picture.home();
+  }
+
+  /** Show a step of the tour: scene R1, then its view and time once the run is complete. */
+  follow(step: TourStep): void {
+    this.step = step;
+    this.player.set({ playing: false, loop: null });
+    this.store.set({
+      scene: SCENES.has(TOUR_SCENE) ? TOUR_SCENE : this.scene.name, changed: {}, shown: { ...SHOWN, ...step.shown },
+    });
   }
 
   showAlso(change: Partial<Shown>): void {
@@ -116,8 +138,7 @@ export class App {
     const { loop, time } = this.player.clock;
     if (loop) { this.player.set({ loop: null }); return; }
     const around = pulseAround(this.run, time);
-    // a pulse takes four seconds on the wall
-    this.player.set({ loop: around, time: around[0], playing: true, speed: Number(((around[1] - around[0]) / 4).toPrecision(1)) });
+    this.player.set({ loop: around, time: around[0], playing: true, speed: pulseSpeed(around) });
   }
 
   hash(): string {
@@ -130,7 +151,7 @@ export class App {
     return {
       ...this.player.clock, settings: this.store.get(), run: this.run, error: this.error, busy: this.busy || this.asked,
       hash: this.hash(), imbalance: this.picture.imbalance(), play: this.picture.play,
-      chart: this.curves.chartPoints(),
+      chart: this.curves.chartPoints(), pixelRatio: this.picture.pixelRatio,
     };
   }
 
@@ -140,10 +161,23 @@ export class App {
     this.player.reach(lengthOf(run), run.complete || run.error !== null);
     this.picture.run(run);
     this.curves.show(run);
+    if (run.complete && this.step) this.take(run, this.step);
     this.want();
   }
 
+  /** Set view and time of a step of the tour. */
+  private take(run: Run, { view, time, locked, repeats }: TourStep): void {
+    this.step = null;
+    this.picture.look(view);
+    const at = locked ? nextLocked(run, locked, time * lengthOf(run)) : time * lengthOf(run);
+    const loop = repeats ? pulseAround(run, at) : null;
+    const isStill = matchMedia("(prefers-reduced-motion: reduce)").matches || time === 1;
+    const speed = loop ? pulseSpeed(loop) : calmSpeed(this.value("omega1"));
+    this.player.set({ time: at, loop, speed, playing: !isStill });
+  }
+
   private settled(): void {
+    if (setSpeedUnit(this.store.get().speedUnit)) this.curves.rebuild();
     this.picture.show(this.store.get().shown);
     this.panels.settings();
     // sliders move many times in a frame

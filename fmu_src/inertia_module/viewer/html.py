@@ -14,7 +14,7 @@ import numpy as np
 
 from ..common.errors import ParameterError, must_be
 from ..common.files import writable_folder
-from ..common.units import BOOLEANS
+from ..common.units import BOOLEANS, factor_between, units_like
 from ..driveline.closed_loop import PLANT_INPUTS
 from ..driveline.sources import Table
 from ..fmi.results import Result
@@ -127,6 +127,19 @@ def page_tables(model: Model) -> dict[str, Any]:
         "variables": [_variable(variable, model) for variable in model.variables],
         "messages": dict(model.messages),
         "warnings": dict(model.warnings),
+        "units": _units({variable.unit for variable in model.variables} | {"s"}),
+    }
+
+
+def _units(of: set[str]) -> dict[str, dict[str, float]]:
+    """Return the factor from each unit of the same kind, by unit.
+
+    Args:
+        of: Units of the variables; "" and "1" are left out.
+    """
+    return {
+        unit: {name: factor_between(name, unit) for name in units_like(unit)}
+        for unit in sorted(of - {"", "1"})
     }
 
 

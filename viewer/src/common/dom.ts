@@ -12,6 +12,11 @@ export function element<Name extends keyof HTMLElementTagNameMap>(
   return found;
 }
 
+/** Set the text of an element if it differs. */
+export function setText(of: HTMLElement, text: string): void {
+  if (of.textContent !== text) of.textContent = text;
+}
+
 /** The element with this id. */
 export function byId(id: string): HTMLElement {
   const found = document.getElementById(id);

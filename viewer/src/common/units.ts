@@ -8,9 +8,24 @@ export function unitText(unit: string): string {
   return SUPERSCRIPTS.reduce((text, [from, to]) => text.replace(from, to), unit);
 }
 
-/** Unit of a setting if it differs from the table, and its conversion factor: angles in degrees. */
+/** Units of rotational speed that the page offers. */
+export const SPEED_UNITS = ["rad/s", "rpm"] as const;
+export type SpeedUnit = (typeof SPEED_UNITS)[number];
+
+let speedUnit: SpeedUnit = "rad/s";
+
+/** Set the unit of rotational speeds in the whole page; return true if it changes. */
+export function setSpeedUnit(unit: SpeedUnit): boolean {
+  const changes = unit !== speedUnit;
+  speedUnit = unit;
+  return changes;
+}
+
+/** Displayed unit of a quantity, and its conversion factor from the table: angles in degrees, speeds as selected. */
 export function readUnit(unit: string): { text: string; factor: number } {
-  return unit === "rad" ? { text: "deg", factor: 180 / Math.PI } : { text: unitText(unit), factor: 1 };
+  if (unit === "rad") return { text: "deg", factor: 180 / Math.PI };
+  if (unit === "rad/s" && speedUnit === "rpm") return { text: "rpm", factor: 30 / Math.PI };
+  return { text: unitText(unit), factor: 1 };
 }
 
 /** A number in four digits, with a true minus. */

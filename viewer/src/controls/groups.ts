@@ -70,3 +70,17 @@ export function reachOf(variable: Variable): Reach {
   const [from, to] = REACH[variable.name] ?? [Math.max(variable.min ?? 0, 0), 3 * start || (variable.nominal ?? 1)];
   return { from: Math.max(from, variable.min ?? from), to, powers: false };
 }
+
+/** Settings of each drawn part. */
+export const FIELDS_OF: Readonly<Record<string, readonly string[]>> = {
+  link1: ["omega1", "drive_torque", "input_inertia", "input_friction", "modules", "z17", "wheel_radius"],
+  drive: ["drive_inertia", "drive_friction", "z16", "shaft_angle"],
+  satellite: ["satellites", "satellite_inertia", "satellite_transverse_inertia", "satellite_radius", "z6", "b", "c"],
+  imbalance: ["imbalance_mass", "a", "eccentricity", "epsilon", "gamma", "balancer"],
+  link2: ["link2_inertia", "link2_friction", "z2", "sun_radius", "omega2_start"],
+  output: ["load_torque", "output_inertia", "output_freewheel", "output_engagement_angle", "output_drag", "omega_out_start"],
+  housing: ["housing_freewheel", "housing_engagement_angle", "housing_drag"],
+};
+for (const name of Object.values(FIELDS_OF).flat()) {
+  if (!settable.some((v) => v.name === name)) throw new Error(`there is no setting ${name}`);
+}

@@ -14,6 +14,10 @@ export const KEY_HELP: readonly (readonly [string, string])[] = [
   ["C", "cut-away"],
   ["T", "torques"],
   ["V", "show the whole mechanism"],
+  ["1 2 3", "view from the front, along the shaft, isometric"],
+  ["Shift + arrows", "turn the view"],
+  ["I O", "zoom in, zoom out"],
+  ["Escape", "in a field: restore the last value"],
 ];
 
 function takesKeys(target: EventTarget | null, key: string): boolean {
@@ -28,7 +32,8 @@ function takesKeys(target: EventTarget | null, key: string): boolean {
 export function listen(keys: Keys): void {
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || takesKeys(event.target, event.key)) return;
-    const act = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    const act = keys[event.shiftKey && key.startsWith("Arrow") ? `Shift+${key}` : key];
     if (!act) return;
     event.preventDefault();
     act();

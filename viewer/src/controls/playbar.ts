@@ -34,9 +34,10 @@ export class PlayBar {
   });
   private readonly time = element("output", { class: "time", "aria-live": "off" });
   private readonly speed: HTMLSelectElement;
+  private readonly range: HTMLSelectElement;
   private length = 1;
 
-  constructor(private readonly player: Player, actions: PlayActions) {
+  constructor(private readonly player: Player, private readonly actions: PlayActions) {
     this.play = button("▶", "Play", actions.toggle);
     this.play.classList.add("play");
     this.pulse = button("↻ one pulse", "Repeat one pulse, slowly", actions.pulse);
@@ -46,12 +47,19 @@ export class PlayBar {
     this.scrub.addEventListener("input", () => {
       player.set({ time: (Number(this.scrub.value) / PARTS) * this.length, loop: null });
     });
+    this.range = choice("Time range of the curves", [["0", "curves: whole run"], ["10", "curves: 10 revolutions"], ["2", "curves: 2 revolutions"]], "0", actions.window);
     this.root = element("div", { class: "playbar", role: "group", "aria-label": "Playback" },
       this.play,
       button("⇤", "Previous freewheel switching event", () => { actions.step(false); }),
       button("⇥", "Next freewheel switching event", () => { actions.step(true); }),
       this.pulse, this.scrub, this.time, this.speed,
-      choice("Time range of the curves", [["0", "curves: whole run"], ["10", "curves: 10 revolutions"], ["2", "curves: 2 revolutions"]], "0", actions.window));
+      this.range);
+  }
+
+  /** Select the time range of the curves in revolutions of link 1; 0: the whole run. */
+  window(turns: number): void {
+    this.range.value = String(turns);
+    this.actions.window(this.range.value);
   }
 
   show(length: number): void {

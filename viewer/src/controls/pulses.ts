@@ -42,6 +42,17 @@ export function nextSwitch(run: Run, at: number, forwards: boolean): number | nu
   return next ?? null;
 }
 
+/** The middle of the next interval in which a freewheel is locked, s; the time itself where there is none. */
+export function nextLocked(run: Run, which: "housing" | "output", at: number): number {
+  const modes = run.columns.contact_mode ?? new Float64Array();
+  const isLocked = (n: number): boolean => holding(modes[n] ?? NaN)[which];
+  let from = indexAt(run.time, at);
+  while (from < run.time.length && !isLocked(from)) from++;
+  let to = from;
+  while (to < run.time.length && isLocked(to)) to++;
+  return run.time[Math.floor((from + to - 1) / 2)] ?? at;
+}
+
 /** Start and end of the pulse around a time: from one engagement of the output freewheel to the next, else one revolution of the pinion shaft. */
 export function pulseAround(run: Run, at: number): [number, number] {
   const modes = run.columns.contact_mode ?? new Float64Array();

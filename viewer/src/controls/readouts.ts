@@ -2,9 +2,9 @@
 
 import type { Run } from "../run/run";
 import { isCoarse, largest, nearest, shownName, valueAt } from "../run/sample";
-import { element } from "../common/dom";
+import { element, setText } from "../common/dom";
 import { holding } from "./pulses";
-import { numberText, steadyText } from "../common/units";
+import { numberText, readUnit, steadyText } from "../common/units";
 
 /** The first fidelity that has pulses. */
 const RIGID = 2;
@@ -21,7 +21,8 @@ function signal(name: string, part: string, column: string, unit: string): Row {
     name, part, unit,
     text: (run, time) => {
       const shown = shownName(run, column);
-      return steadyText(valueAt(run, shown, time), largest(run, [shown]));
+      const { factor } = readUnit(unit);
+      return steadyText(factor * valueAt(run, shown, time), factor * largest(run, [shown]));
     },
   };
 }
@@ -78,10 +79,14 @@ const AUDIT: readonly Row[] = [
   { name: "residual (integration error)", part: "", unit: "J", text: (run, time) => numberText(valueAt(run, "energy_residual", time), 3) },
 ];
 
+/** Parts without rows of their own, and the part whose rows apply. */
+const OF_ROWS: Readonly<Record<string, string>> = { drive: "link1", satellite: "imbalance" };
+
 /** A table of values at a time. */
 class Instruments {
   readonly root: HTMLTableElement;
-  private readonly cells: { cell: HTMLElement; text: Row["text"] }[];
+  private readonly cells: { cell: HTMLElement; unitCell: HTMLElement; unit: string; text: Row["text"] }[];
+  private readonly rows: { row: HTMLElement; part: string }[] = [];
   private readonly caption: HTMLElement;
 
   constructor(private readonly title: string, rows: readonly Row[], private readonly coarse = "") {
@@ -89,18 +94,27 @@ class Instruments {
     this.cells = rows.map(({ name, part, unit, text }) => {
       const cell = element("td");
       const head = element("th", { scope: "row" }, element("i", { class: `dot part-${part || "none"}` }), name);
-      body.append(element("tr", {}, head, cell, element("td", { class: "unit" }, unit)));
-      return { cell, text };
+      const unitCell = element("td", { class: "unit" });
+      const row = element("tr", {}, head, cell, unitCell);
+      body.append(row);
+      this.rows.push({ row, part });
+      return { cell, unitCell, unit, text };
     });
     this.caption = element("caption", {}, title);
     this.root = element("table", { class: "instruments" }, this.caption, body);
   }
 
+  /** Mark the rows of a part; null: none. */
+  relate(part: string | null): void {
+    for (const { row, part: own } of this.rows) row.classList.toggle("related", part !== null && own === (OF_ROWS[part] ?? part));
+  }
+
   show(run: Run, time: number): void {
     this.caption.textContent = this.title + (isCoarse(run) ? this.coarse : "");
-    for (const { cell, text } of this.cells) {
+    for (const { cell, unitCell, unit, text } of this.cells) {
+      setText(unitCell, readUnit(unit).text);
       const now = text(run, time);
-      if (cell.textContent !== now) cell.textContent = now;
+      setText(cell, now);
       cell.classList.toggle("holds", now === "locked");
     }
   }

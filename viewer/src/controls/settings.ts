@@ -1,5 +1,6 @@
 // Settings of the user: a scene and the changes to it.
 
+import type { SpeedUnit } from "../common/units";
 import type { Shown } from "../machine/view";
 import { variables, type Request } from "../run/run";
 import type { Scene } from "../run/start";
@@ -10,6 +11,8 @@ export interface Settings {
   /** Values that differ from those of the scene, by name; duration and step (s) among them. */
   changed: Record<string, number>;
   shown: Shown;
+  /** Unit of rotational speeds in the whole page. */
+  speedUnit: SpeedUnit;
 }
 
 /** Settings of the user and their listeners. */
@@ -44,6 +47,17 @@ export function sceneValue(scene: Scene, name: string): number {
   const input = scene.inputs[name];
   if (input !== undefined) return typeof input === "number" ? input : input.values.at(-1) ?? 0;
   return scene.parameters[name] ?? variables.find((v) => v.name === name)?.start ?? 0;
+}
+
+/** Relative difference below which fields, which have seven digits, show the same number. */
+const SAME_RTOL = 5e-7;
+
+/** The changes with a further one; a value equal to that of the scene is no change. */
+export function withChange(scene: Scene, changed: Settings["changed"], name: string, value: number): Settings["changed"] {
+  const original = sceneValue(scene, name);
+  const isConstant = typeof (scene.inputs[name] ?? 0) === "number";
+  if (!isConstant || Math.abs(value - original) > SAME_RTOL * Math.abs(original)) return { ...changed, [name]: value };
+  return Object.fromEntries(Object.entries(changed).filter(([other]) => other !== name));
 }
 
 /** The value that counts: the changed one, else that of the scene. */

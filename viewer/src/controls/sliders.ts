@@ -38,6 +38,11 @@ export class Sliders {
     }
   }
 
+  /** Mark the fields of a part. */
+  relate(names: readonly string[]): void {
+    for (const [name, field] of this.fields) field.root.classList.toggle("related", names.includes(name));
+  }
+
   /** Show the current values, mark changed ones, hide settings without effect. */
   show(value: (name: string) => number, changed: (name: string) => boolean): void {
     for (const [name, field] of this.fields) {

@@ -4,6 +4,7 @@ import { CURVES } from "../common/colours";
 import type { Run } from "../run/run";
 import { valueAt } from "../run/sample";
 import { element } from "../common/dom";
+import { numberText, readUnit } from "../common/units";
 import { chartPoint, chartRatios, operatingPoint, type ChartPoint } from "./chart";
 import { Plot } from "./plot";
 
@@ -18,6 +19,8 @@ export class ChartPanel {
   points: ChartPoint[] = [];
   private made = "";
   private waiting = 0;
+  /** Input speed of the complete chart, rad/s; 0 while points are missing. */
+  private complete = 0;
 
   show(run: Run): void {
     this.run = run;
@@ -38,6 +41,7 @@ export class ChartPanel {
       ],
       range: { x: () => [0, 1] },
     }, this.data());
+    this.explain();
     this.refresh();
   }
 
@@ -57,6 +61,7 @@ export class ChartPanel {
     if (wanted === this.made) return;
     this.made = wanted;
     this.points = [];
+    this.complete = 0;
     clearTimeout(this.waiting);
     if (!(speed > 0)) {
       this.tell("The chart needs a turning input.");
@@ -67,7 +72,8 @@ export class ChartPanel {
 
   private next(parameters: Run["parameters"], speed: number, [ratio, ...rest]: number[]): void {
     if (ratio === undefined) {
-      this.tell(`Periodic steady state at ω1 = ${speed} rad/s: input and output torque; efficiency dashed. The dot is the current time of the run.`);
+      this.complete = speed;
+      this.explain();
       return;
     }
     this.waiting = window.setTimeout(() => {
@@ -80,6 +86,13 @@ export class ChartPanel {
       this.plot?.plot.setData(this.data());
       this.next(parameters, speed, rest);
     }, 5);
+  }
+
+  /** Write the note of a complete chart. */
+  private explain(): void {
+    if (this.complete === 0) return;
+    const { text: unit, factor } = readUnit("rad/s");
+    this.tell(`Periodic steady state at ω1 = ${numberText(factor * this.complete)} ${unit}: input and output torque; efficiency dashed. The dot is the current time of the run.`);
   }
 
   private data(): [number[], ...number[][]] {

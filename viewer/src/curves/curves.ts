@@ -15,6 +15,7 @@ export class Curves {
   private readonly phase = new PhasePlot();
   private readonly chart = new ChartPanel();
   private readonly note = element("p", { class: "note" }, PHASE_NOTE);
+  private readonly select: HTMLSelectElement;
   private run: Run | null = null;
   private turns = 0;
   private window: [number, number] = [0, 1];
@@ -23,10 +24,10 @@ export class Curves {
 
   constructor(host: HTMLElement, scrub: (time: number) => void) {
     this.panels = ["speeds", "torques"].map((id) => new TimePanel(id, scrub));
-    const select = choice("Phase plot or torque converter chart",
+    this.select = choice("Phase plot or torque converter chart",
       [["phase", "Phase plot, ω2 over q"], ["chart", "Torque converter chart"]], "phase", (shown) => { this.turnTo(shown); });
     const third = element("section", { class: "panel", "aria-label": "Phase plot and torque converter chart" },
-      element("header", {}, select), this.note, this.chart.note, this.phase.root, this.chart.root);
+      element("header", {}, this.select), this.note, this.chart.note, this.phase.root, this.chart.root);
     host.append(...this.panels.map((panel) => panel.root), third);
     this.chart.root.hidden = this.chart.note.hidden = true;
   }
@@ -37,6 +38,13 @@ export class Curves {
     for (const panel of this.panels) panel.show(run, this.window);
     this.phase.show(run);
     this.chart.show(run);
+  }
+
+  /** Choose the panels over time and the third panel. */
+  choose(ids: readonly string[], third: "phase" | "chart"): void {
+    this.panels.forEach((panel, n) => { panel.choose(ids[n] ?? ""); });
+    this.select.value = third;
+    this.turnTo(third);
   }
 
   /** Show a number of revolutions of link 1 at a time, 0: the whole run. */

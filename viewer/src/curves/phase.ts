@@ -3,6 +3,7 @@
 import type uPlot from "uplot";
 import { CURVES } from "../common/colours";
 import { element } from "../common/dom";
+import { readUnit } from "../common/units";
 import type { Run } from "../run/run";
 import { isCoarse, valueAt } from "../run/sample";
 import { Plot } from "./plot";
@@ -32,7 +33,7 @@ export class PhasePlot {
     if (!this.run || !this.root.isConnected || this.root.hidden) return;
     this.plot = new Plot(this.root, {
       x: "pinion-shaft angle q [rad]",
-      axes: [{ label: "ω2 [rad/s]" }],
+      axes: [{ label: `ω2 [${readUnit("rad/s").text}]` }],
       lines: [{ label: "ω2", colour: "transparent" }],
       range: { x: () => [0, TURN] },
       paint: (plot) => { this.paint(plot); },
@@ -40,20 +41,23 @@ export class PhasePlot {
   }
 
   stand(time: number): void {
-    if (this.run) this.plot?.point(inTurn(valueAt(this.run, "q", time)), valueAt(this.run, "omega2", time));
+    if (this.run) this.plot?.point(inTurn(valueAt(this.run, "q", time)), readUnit("rad/s").factor * valueAt(this.run, "omega2", time));
   }
 
   /** Two points that hold all: uPlot makes the axes, paint the lines. */
   private limits(run: Run): [number[], number[]] {
     const speeds = run.columns.omega2 ?? new Float64Array();
     const low = speeds.reduce((least, value) => Math.min(least, value), 0);
-    return [[0, TURN], [low, speeds.reduce((most, value) => Math.max(most, value), low + 1)]];
+    const high = speeds.reduce((most, value) => Math.max(most, value), low + 1);
+    const { factor } = readUnit("rad/s");
+    return [[0, TURN], [factor * low, factor * high]];
   }
 
   private paint(plot: uPlot): void {
     const { q, omega2 } = this.run?.columns ?? {};
     if (!this.run || !q || !omega2) return;
     const dots = isCoarse(this.run);
+    const { factor } = readUnit("rad/s");
     const { ctx } = plot;
     const { left, top, width, height } = plot.bbox;
     ctx.save();
@@ -65,7 +69,7 @@ export class PhasePlot {
     for (let n = 0; n < q.length; n++) {
       const angle = inTurn(q[n] ?? NaN);
       const x = plot.valToPos(angle, "x", true);
-      const y = plot.valToPos(omega2[n] ?? NaN, "y", true);
+      const y = plot.valToPos(factor * (omega2[n] ?? NaN), "y", true);
       // no line back where a turn ends
       if (dots) ctx.rect(x, y, devicePixelRatio, devicePixelRatio);
       else if (Math.abs(angle - before) < 0.5 * TURN) ctx.lineTo(x, y);

@@ -1,7 +1,7 @@
 // A panel of curves over time: choice of signals, legend with values at the clock, scrubbing.
 
 import { choice, element } from "../common/dom";
-import { steadyText } from "../common/units";
+import { readUnit, steadyText } from "../common/units";
 import type { Run } from "../run/run";
 import { indexAt, isCoarse } from "../run/sample";
 import { Plot } from "./plot";
@@ -18,6 +18,7 @@ export class TimePanel {
   readonly root: HTMLElement;
   private readonly area = element("div", { class: "plot" });
   private readonly legend = element("ul", { class: "legend" });
+  private readonly select: HTMLSelectElement;
   private plot: Plot | null = null;
   private panel: Panel;
   private run: Run | null = null;
@@ -28,13 +29,20 @@ export class TimePanel {
 
   constructor(first: string, private readonly scrub: (time: number) => void) {
     this.panel = panelOf(first);
-    const select = choice("Curves", PANELS.map(({ id, title, unit }) => [id, `${title} [${unit}]`]), first, (id) => {
+    this.select = choice("Curves", PANELS.map(({ id }) => [id, ""]), first, (id) => {
       this.panel = panelOf(id);
       this.rebuild();
     });
-    this.root = element("section", { class: "panel", "aria-label": "Curves over time" },
-      element("header", {}, select), this.legend, this.area);
+    this.root = element("section", { class: "panel" }, element("header", {}, this.select), this.legend, this.area);
+    this.title();
     this.listen();
+  }
+
+  /** Show another panel of signals. */
+  choose(id: string): void {
+    this.select.value = id;
+    this.panel = panelOf(id);
+    this.rebuild();
   }
 
   /** Show a run between two times, s. */
@@ -56,6 +64,7 @@ export class TimePanel {
   /** Create the plot again after a change of colours or size. */
   rebuild(): void {
     const { run } = this;
+    this.title();
     this.plot?.destroy();
     this.plot = null;
     if (!run || !this.area.isConnected) return;
@@ -63,7 +72,7 @@ export class TimePanel {
     this.compute(run);
     this.plot = new Plot(this.area, {
       x: "time [s]",
-      axes: [{ label: `[${this.panel.unit}]` }],
+      axes: [{ label: `[${readUnit(this.panel.unit).text}]` }],
       lines: this.panel.series.map((series) => ({ ...series, dots: series.coarse === "dots" && isCoarse(run) })),
       range: { x: () => this.window },
     }, [run.time, ...this.data]);
@@ -81,8 +90,18 @@ export class TimePanel {
     });
   }
 
+  /** Name the panel and its choices, in the displayed units. */
+  private title(): void {
+    PANELS.forEach(({ title, unit }, n) => {
+      const option = this.select.options[n];
+      if (option) option.textContent = `${title} [${readUnit(unit).text}]`;
+    });
+    this.root.setAttribute("aria-label", `Curves: ${this.panel.title}`);
+  }
+
   private compute(run: Run): void {
-    this.data = this.panel.series.map((series) => series.of(run));
+    const { factor } = readUnit(this.panel.unit);
+    this.data = this.panel.series.map((series) => factor === 1 ? series.of(run) : series.of(run).map((value) => factor * value));
     this.data.forEach((values, n) => {
       const cell = this.cells[n];
       if (cell) cell.largest = values.reduce((most, value) => Math.max(most, Math.abs(value)), 0);
@@ -94,7 +113,7 @@ export class TimePanel {
     this.cells = panel.series.map((series) => {
       const cell = element("output", { "aria-live": "off" });
       const mark = element("i", { style: `background:${series.colour}` });
-      this.legend.append(element("li", {}, mark, `${labelOf(series, run)} `, cell, ` ${panel.unit}`));
+      this.legend.append(element("li", {}, mark, `${labelOf(series, run)} `, cell, ` ${readUnit(panel.unit).text}`));
       return { cell, largest: 0 };
     });
   }

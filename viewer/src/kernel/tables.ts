@@ -45,6 +45,8 @@ export interface Tables {
   variables: Variable[];
   messages: Messages;
   warnings: Messages;
+  /** Factor from each unit of the same kind, by the unit of the table. */
+  units: Record<string, Record<string, number>>;
 }
 
 /** Content of a script element of the document. */

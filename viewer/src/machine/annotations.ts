@@ -2,6 +2,7 @@
 
 import { Group, Vector3, type Object3D } from "three";
 import { PARTS } from "../common/colours";
+import { setText } from "../common/dom";
 import { steadyText } from "../common/units";
 import { aboutAxis, imbalance, type Geometry } from "./geometry";
 import type { Labels } from "./labels";
@@ -85,7 +86,7 @@ export class Annotations {
     const now = performance.now();
     if (now - this.updated > READABLE) {
       this.updated = now;
-      for (const { element, text } of this.texts) element.textContent = text(column);
+      for (const { element, text } of this.texts) setText(element, text(column));
     }
     this.imbalance.set(...aboutAxis(imbalance(this.shape, q), theta1));
     this.marker.position.copy(this.imbalance);
@@ -104,28 +105,25 @@ export class Annotations {
   /** Values next to the arrows. */
   private number(labels: Labels, reach: number): void {
     const add = (part: string, on: Object3D, at: Vector3, text: (column: (name: string) => number) => string): void => {
-      this.texts.push({ element: labels.add("−0000.00 N·m", part, on, at), text });
+      this.texts.push({ element: labels.add({ text: "−0000.00 N·m", part, on, at, side: "below" }), text });
     };
     for (const name of TORQUES) {
       const at = new Vector3(this.arcs[name].position.x, 0, HEIGHT[name] * reach);
       add(PART[name], this.arcGroup, at, (column) => `${SYMBOLS[name]} ${steadyText(column(name), this.largest.torque)} N·m`);
     }
-    add("imbalance", this.acceleration.tip, new Vector3(0, 0.16 * reach, 0),
-      (column) => `imbalance ${steadyText(column("imbalance_acceleration"), this.largest.acceleration)} m/s²`);
-    add("force", this.force.tip, new Vector3(0, 0.16 * reach, 0), (column) => {
+    add("imbalance", this.acceleration.tip, new Vector3(),
+      (column) => `unbalanced mass, acceleration ${steadyText(column("imbalance_acceleration"), this.largest.acceleration)} m/s²`);
+    add("force", this.force.tip, new Vector3(), (column) => {
       const size = Math.hypot(column("shaking_force_x"), column("shaking_force_y"), column("shaking_force_z"));
       return `${steadyText(size, this.largest.force)} N on the mounting`;
     });
   }
 
-  private name(labels: Labels, mechanism: Mechanism, { stations }: Shafts): void {
-    const { reach } = mechanism;
-    const axis = (at: number, above: number): Vector3 => new Vector3(at, 0, above * reach);
-    labels.add("link 1, carrier", "link1", this.group, axis(stations.input, 0.22));
-    labels.add("link 2", "link2", this.group, axis(stations.link2, -0.3));
-    labels.add("housing freewheel", "housing", this.group, axis(stations.housing, 0.36));
-    labels.add("output freewheel", "output", this.group, axis(stations.freewheel, -0.52));
-    labels.add("output shaft", "output", this.group, axis(stations.end, 0.12));
-    labels.add("unbalanced mass", "imbalance", this.marker, new Vector3(0, 0, 0.14 * reach));
+  private name(labels: Labels, mechanism: Mechanism, { stations, names }: Shafts): void {
+    for (const name of [...mechanism.names, ...names]) labels.add(name);
+    labels.add({
+      text: "link 1, carrier", part: "link1", on: this.group, at: new Vector3(stations.input, 0, 0), side: "below",
+    });
+    labels.add({ text: "unbalanced mass", part: "imbalance", on: this.marker, at: new Vector3(), side: "below" });
   }
 }

@@ -136,11 +136,20 @@ export function bevelMechanism(shape: Bevel, imbalanceRadius: number, drawn: num
   }
   link1.add(new Mesh(race(-flange - thick, -flange + thick, 0, thick * 4), palette.materials.link1));
   const first = satellites[0];
-  if (!first) throw new Error("a mechanism must have a satellite");
+  const frontModule = link1.children[0];
+  if (!first || !frontModule) throw new Error("a mechanism must have a satellite");
   return {
     link1, link2,
     from: -flange, to: radius16, reach: Math.max(slant, Math.hypot(needs.radius, bearing)), thick,
     shift: 0, front: 0, imbalance: first.imbalance, imbalanceAt: new Vector3(shape.arm, 0, -shape.axis),
+    remarks: drawn > 1 && radius16 > radius2 * Math.tan(Math.PI / shape.modules) * 0.95
+      ? [`The ${shape.modules} modules overlap in the picture: the sizes of gears 2 and 16 are schematic.`] : [],
+    names: [
+      { text: `drive gear ${z16}, on the pinion shaft`, part: "drive", on: frontModule, at: new Vector3(0, -radius16 * 0.94, radius2), side: "above" },
+      { text: `gear ${z17}, fixed to link 1`, part: "link1", on: frontModule, at: new Vector3(0, -shape.slant * Math.sin(shape.psi), needs.bottom), side: "below" },
+      { text: `satellite ${z6}`, part: "satellite", on: first.spin, at: new Vector3(0, 0, -shape.slant * Math.cos(shape.phi)), side: "above" },
+      { text: `gear ${z2}, link 2`, part: "link2", on: link2, at: new Vector3(at2, 0, 0), side: "below" },
+    ],
     turn(q) {
       link2.rotation.x = -q / shape.k;
       for (const drive of drives) drive.rotation.z = q;

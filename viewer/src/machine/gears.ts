@@ -52,10 +52,12 @@ export function bevelGear(teeth: number, halfAngle: number, slant: number, side:
     distance * Math.sin(angle) * Math.sin(azimuth),
     side * distance * Math.cos(angle),
   ];
+  // mirrored, the ends change places, so that the surfaces still face outward
+  const far = side === -1 ? 0 : 1;
   return ring(
     teeth,
-    (over, azimuth, end) => at(end === 0 ? slant : inner * slant, halfAngle + over * height, azimuth),
-    (_, azimuth, end) => at(end === 0 ? slant : inner * slant, Math.max(0.02, halfAngle - body), azimuth),
+    (over, azimuth, end) => at(end === far ? slant : inner * slant, halfAngle + over * height, azimuth),
+    (_, azimuth, end) => at(end === far ? slant : inner * slant, Math.max(0.02, halfAngle - body), azimuth),
   );
 }
 

@@ -3,6 +3,7 @@
 import { Mesh, type Group, type Object3D, type Vector3 } from "three";
 import { bevelMechanism } from "./bevel";
 import { geometry, value, type Geometry, type Parameters } from "./geometry";
+import type { PartName } from "./labels";
 import type { Palette } from "./palette";
 import { planarMechanism } from "./planar";
 
@@ -24,6 +25,10 @@ export interface Mechanism {
   /** Reference mass (planet 0, module 0), and its centre in the frame of its mesh. */
   readonly imbalance: Mesh;
   readonly imbalanceAt: Vector3;
+  /** Remarks on the picture. */
+  readonly remarks: readonly string[];
+  /** Names of its parts. */
+  readonly names: readonly PartName[];
   /** Turn pinion shafts, planets and gear 2 to the pinion-shaft angle q, rad. */
   turn(q: number): void;
 }

@@ -73,11 +73,16 @@ export function planarMechanism(shape: Planar, imbalanceRadius: number, drawn: n
   link2.add(new Mesh(merged(suns), palette.materials.link2));
   const last = (drawn - 1) * step;
   const reach = distance + Math.max(shape.satellite * 1.1, shape.arm + radius);
-  const first = slugs[0];
-  if (!first) throw new Error("a mechanism must have a satellite");
+  const [first, frontSpin] = [slugs[0], spins[0]];
+  if (!first || !frontSpin) throw new Error("a mechanism must have a satellite");
   return {
     link1, link2, from: -width * 0.95, to: last + width * 0.3, reach, thick, shift: step, front: -width * 0.68,
     imbalance: first, imbalanceAt: new Vector3(0, 0, -shape.arm),
+    remarks: drawn > 1 ? ["The modules act in one plane; the picture shows them side by side."] : [],
+    names: [
+      { text: "satellite", part: "satellite", on: frontSpin, at: new Vector3(0, 0, 0), side: "above" },
+      { text: "sun gear, link 2", part: "link2", on: link2, at: new Vector3(0, 0, -shape.sun * 0.85), side: "below" },
+    ],
     turn(q) {
       link2.rotation.x = -q / shape.k;
       for (const spin of spins) spin.rotation.x = q;

@@ -1,8 +1,9 @@
 // Shafts, freewheels, flywheel and mount: parts on the central axis besides the mechanism.
 
-import { Group, Mesh, type BufferGeometry, type MeshPhongMaterial } from "three";
+import { Group, Mesh, Vector3, type BufferGeometry, type MeshPhongMaterial } from "three";
 import { value, type Parameters } from "./geometry";
 import type { Mechanism } from "./mechanism";
+import type { PartName } from "./labels";
 import type { Palette } from "./palette";
 import { bar, box, merged, race, spokes } from "./solids";
 
@@ -33,6 +34,8 @@ export interface Shafts {
   readonly mount: Group;
   /** Of both freewheels, each with its own material, which is coloured while it is locked. */
   readonly rollers: { readonly housing: Rollers; readonly output: Rollers };
+  /** Names of the parts. */
+  readonly names: readonly PartName[];
   /** Marks along the elastic shaft, from hub to driven inertia. */
   readonly marks: Mesh[];
 }
@@ -157,5 +160,15 @@ export function buildShafts(parameters: Parameters, mechanism: Mechanism, palett
     solids.push(race(at - width * 0.25, at + width * 0.25, radius * 1.1, radius * 2.2), foot(at, width * 0.5, radius * 2.2, base));
   }
   mount.add(new Mesh(merged(solids), material.housing));
-  return { stations, hub, driven, mount, rollers: rolling, marks };
+  const name = (text: string, part: string, at: number, height: number, side: "above" | "below"): PartName =>
+    ({ text, part, on: mount, at: new Vector3(at, 0, height), side });
+  const names = [
+    name("housing freewheel", "housing", stations.housing, outer * 0.95, "above"),
+    name("output freewheel", "output", stations.freewheel, -outer * 0.9, "below"),
+    name(elastic ? "hub of the elastic shaft" : "output flywheel", "output", stations.flywheel, wheelRadius(value(parameters, "output_inertia"), reach) * 0.9, "above"),
+    name("output shaft", "output", stations.end, 0, "below"),
+    name("housing", "housing", stations.housing, base * 0.7, "below"),
+    ...(elastic ? [name("driven flywheel", "output", stations.driven, wheelRadius(value(parameters, "driven_inertia"), reach) * 0.9, "above")] : []),
+  ];
+  return { stations, hub, driven, mount, rollers: rolling, marks, names };
 }

@@ -1,7 +1,8 @@
 // The 3-D view: mechanism, lights and camera.
 
 import {
-  DirectionalLight, Group, HemisphereLight, type MeshPhongMaterial, PerspectiveCamera, Plane, Scene, Vector3, WebGLRenderer,
+  DirectionalLight, Group, HemisphereLight, Mesh, type MeshPhongMaterial, PerspectiveCamera, Plane, Raycaster, Scene, Vector2, Vector3,
+  WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { PARTS } from "../common/colours";
@@ -9,7 +10,8 @@ import { Annotations } from "./annotations";
 import type { Geometry, Parameters } from "./geometry";
 import { Labels } from "./labels";
 import { buildMechanism, discard, type Mechanism } from "./mechanism";
-import { Palette } from "./palette";
+import { Palette, type Part } from "./palette";
+import { isSoftware, Resolution } from "./resolution";
 import { buildShafts, standOff, type Shafts } from "./shafts";
 import { Trace, type TraceFrame } from "./trace";
 
@@ -39,6 +41,17 @@ export interface Instant {
   readonly past: (part: number) => { q: number; theta1: number };
 }
 
+/** Directions from which the mechanism can be seen; home depends on the layout. */
+export const VIEWS = ["home", "front", "along the shaft", "isometric"] as const;
+export type ViewName = (typeof VIEWS)[number];
+const DIRECTIONS: Readonly<Record<Exclude<ViewName, "home">, readonly [number, number, number]>> = {
+  front: [0, -1, 0.02], "along the shaft": [-1, -0.02, 0.02], isometric: [-1, -1, 0.8],
+};
+/** Largest elevation of the camera, rad. */
+const STEEPEST = 1.5;
+/** Pixels per CSS pixel at rest without antialiasing by the graphics card. */
+const SUPERSAMPLED = 2;
+
 interface Built {
   readonly mechanism: Mechanism;
   readonly shape: Geometry;
@@ -61,9 +74,15 @@ export class View {
   private built: Built | null = null;
   private shown: Shown | null = null;
   private size = { width: 1, height: 1 };
+  /** Pixels per CSS pixel at full resolution. */
+  private fullRatio = 1;
+  private readonly isSoftware = isSoftware();
+  private readonly resolution = new Resolution();
+  private readonly raycaster = new Raycaster();
 
   constructor(canvas: HTMLCanvasElement, labelHost: HTMLElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
+    // a processor computes four samples per pixel too slowly: there pictures at rest are supersampled instead
+    this.renderer = new WebGLRenderer({ canvas, antialias: !this.isSoftware, alpha: true });
     this.renderer.localClippingEnabled = true;
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
@@ -91,17 +110,18 @@ export class View {
     // a mechanism of any size fills the view
     this.world.scale.setScalar(1 / mechanism.reach);
     this.built = { mechanism, shape, shafts, trace, annotations };
-    if (look) this.lookHome();
+    if (look) this.look("home");
     if (this.shown) this.show(this.shown);
   }
 
-  /** Move the camera so that it sees the whole mechanism. */
-  lookHome(): void {
+  /** Move the camera so that it sees the whole mechanism, from one of the directions. */
+  look(from: ViewName): void {
     if (!this.built) return;
     const { mechanism, shafts, shape } = this.built;
     const [input, end] = [shafts.stations.input / mechanism.reach, shafts.stations.end / mechanism.reach];
     // planar gears show their faces along the axis
-    const away = new Vector3(shape.layout === "planar" ? -0.75 : -0.42, -1, 0.36).normalize();
+    const home = [shape.layout === "planar" ? -0.75 : -0.42, -1, 0.36] as const;
+    const away = new Vector3(...(from === "home" ? home : DIRECTIONS[from])).normalize();
     const right = new Vector3().crossVectors(this.camera.up, away).normalize();
     const up = new Vector3().crossVectors(away, right);
     const corners = [input - 0.15, end + 0.1].flatMap((x) =>
@@ -111,11 +131,12 @@ export class View {
       const along = corners.map((corner) => corner.dot(axis));
       target.addScaledVector(axis, (Math.min(...along) + Math.max(...along)) / 2);
     }
-    const slope = 0.97 * Math.tan((this.camera.fov * Math.PI) / 360);
-    const distance = Math.max(...corners.map((corner) => {
-      const from = corner.clone().sub(target);
-      const across = Math.max(Math.abs(from.dot(right)) / this.camera.aspect, Math.abs(from.dot(up)));
-      return across / slope + from.dot(away);
+    const slope = Math.tan((this.camera.fov * Math.PI) / 360);
+    const distance = Math.max(...corners.map((point) => {
+      const corner = point.clone().sub(target);
+      // above and below there is space for rows of names
+      const across = Math.max(Math.abs(corner.dot(right)) / this.camera.aspect / 0.97, Math.abs(corner.dot(up)) / 0.84);
+      return across / slope + corner.dot(away);
     }));
     this.controls.target.copy(target);
     this.camera.position.copy(target).addScaledVector(away, distance);
@@ -123,6 +144,60 @@ export class View {
     this.camera.far = distance * 10;
     this.camera.updateProjectionMatrix();
     this.controls.update();
+  }
+
+  /** Turn the camera about the mechanism: to the right and upward, rad. */
+  turn(right: number, upward: number): void {
+    const from = this.camera.position.clone().sub(this.controls.target);
+    const distance = from.length();
+    const azimuth = Math.atan2(from.y, from.x) + right;
+    const elevation = Math.min(Math.max(Math.asin(from.z / distance) + upward, -STEEPEST), STEEPEST);
+    from.set(Math.cos(azimuth) * Math.cos(elevation), Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation));
+    this.camera.position.copy(this.controls.target).addScaledVector(from, distance);
+    this.controls.update();
+  }
+
+  /** Change the distance of the camera by a factor. */
+  zoom(factor: number): void {
+    this.camera.position.sub(this.controls.target).multiplyScalar(factor).add(this.controls.target);
+    this.controls.update();
+  }
+
+  /** Return the part at a point of the view, or null; coordinates from -1 to 1, to the right and upward. */
+  partAt(x: number, y: number): Part | null {
+    const { built } = this;
+    if (!built) return null;
+    this.raycaster.setFromCamera(new Vector2(x, y), this.camera);
+    const { mechanism, shafts } = built;
+    const hits = this.raycaster.intersectObjects([mechanism.link1, mechanism.link2, shafts.hub, shafts.driven, shafts.mount], true);
+    for (const { object, point } of hits) {
+      if (!(object instanceof Mesh)) continue;
+      const mesh = object as Mesh;
+      if (mesh === shafts.rollers.housing) return "housing";
+      if (mesh === shafts.rollers.output) return "output";
+      const part = this.palette.partOf(mesh.material);
+      if (part && !this.palette.isCutAway(part, point)) return part;
+    }
+    return null;
+  }
+
+  highlight(part: Part | null): void {
+    this.palette.highlight(part);
+  }
+
+  /** Space for other things over the view at its upper and lower edge, px. */
+  setMargins(above: number, below: number): void {
+    this.labels.margins = { above, below };
+  }
+
+  /** Remarks on the picture. */
+  get remarks(): readonly string[] {
+    return this.built?.mechanism.remarks ?? [];
+  }
+
+  /** Pixels per CSS pixel of the last picture. */
+  get pixelRatio(): number {
+    return this.renderer.getPixelRatio();
   }
 
   show(shown: Shown): void {
@@ -141,14 +216,15 @@ export class View {
 
   resize(width: number, height: number, ratio: number): void {
     this.size = { width, height };
-    this.renderer.setPixelRatio(ratio);
+    this.fullRatio = ratio;
+    this.labels.resize();
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
   }
 
   /** Draw the mechanism at one time. */
-  draw(now: Instant): void {
+  draw(now: Instant, isMoving: boolean): void {
     const { built, shown } = this;
     if (!built || !shown) return;
     const { mechanism, shafts, trace, annotations } = built;
@@ -167,6 +243,9 @@ export class View {
     }
     trace.follow(now.past);
     annotations.place(now);
+    const fraction = this.resolution.at(performance.now() / 1000, isMoving);
+    const ratio = this.isSoftware && !isMoving ? Math.max(this.fullRatio, SUPERSAMPLED) : this.fullRatio * fraction;
+    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
     this.renderer.render(this.scene, this.camera);
     this.labels.place(this.camera, this.size.width, this.size.height);
   }
