@@ -27,7 +27,8 @@ from inertia_module import (
     torque_converter_chart,
 )
 from inertia_module.common.deprecated import MODULES, RenamedModule, new_module, renamed_arguments
-from inertia_module.scene.run import Quantity, SceneRunner
+from inertia_module.scene.quantity import Quantity
+from inertia_module.scene.run import SceneRunner
 from inertia_module.studies import axes
 from inertia_module.studies.design_judge import Judge
 from inertia_module.studies.design_result import DesignResult

@@ -35,9 +35,11 @@ from ..plots.mechanism import mechanism_figure
 from ..plots.scenes import scene_figure
 from ..plots.studies import NAMED, chart_figure, order_figure
 from ..scene import Scene, SceneResult
+from ..scene.freewheel_loads import DUTY, FREEWHEELS
 from ..scene.keys import in_range, keys_of
 from ..scene.reading import speed_unit
-from ..scene.run import DUTY, FREEWHEELS, input_speed, start_of
+from ..scene.run import start_of
+from ..scene.summary_metrics import input_speed
 from ..studies.order_analysis import ANGLES, BASES, BEARING, LINK1, SIGNALS, orders
 
 TEMPLATE = Path(__file__).parent / "templates" / "report.html"
