@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from inertia_module.analysis.converter_chart import SteadyMachine, compute_chart
+from inertia_module.analysis.converter_chart import compute_chart
+from inertia_module.analysis.steady_state import SteadyMachine
 from inertia_module.common.errors import InertiaModuleError, UnknownNameError
 from inertia_module.driveline import EngineMap, Governor
 from inertia_module.driveline.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE

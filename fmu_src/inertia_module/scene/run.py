@@ -87,7 +87,7 @@ def above_stall(record: Result, parameters: dict[str, float]) -> dict[str, str]:
     revolutions = abs(speed) * float(np.ptp(record.time)) / math.tau
     if has_brake or revolutions < 1.0 or record["omega_out"][end].min() > 1e-6 * abs(speed):
         return {}
-    from ..analysis.converter_chart import SteadyMachine  # imports scipy
+    from ..analysis.steady_state import SteadyMachine  # imports scipy
 
     try:
         stall = SteadyMachine(parameters).at(speed, 0.0).output_torque
