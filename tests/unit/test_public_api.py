@@ -34,7 +34,7 @@ from inertia_module.studies.design_judge import Judge
 from inertia_module.studies.design_result import DesignResult
 from inertia_module.studies.design_specification import read_spec
 from inertia_module.studies.evaluation import Row
-from inertia_module.studies.order_analysis import spectra
+from inertia_module.studies.order_spectra import spectra
 from inertia_module.studies.parameter_sweep import SweepResult
 from inertia_module.studies.search import Searched
 from inertia_module.studies.steady_metrics import STEADY_METRICS

@@ -40,7 +40,8 @@ from ..scene.keys import in_range, keys_of
 from ..scene.reading import speed_unit
 from ..scene.run import start_of
 from ..scene.summary_metrics import input_speed
-from ..studies.order_analysis import ANGLES, BASES, BEARING, LINK1, SIGNALS, orders
+from ..studies.order_analysis import ANGLES, BEARING, SIGNALS, orders
+from ..studies.order_result import BASES, LINK1
 
 TEMPLATE = Path(__file__).parent / "templates" / "report.html"
 # variables that a run for a report records in addition to the outputs of the scene
