@@ -21,7 +21,7 @@ PUBLIC = {
     "InertiaModuleError": "common.errors",
     "MissingDependencyError": "common.errors",
     "Module": "model",
-    "Orders": "studies.order_analysis",
+    "Orders": "studies.order_result",
     "ParameterError": "common.errors",
     "Result": "fmi.results",
     "Scene": "scene",

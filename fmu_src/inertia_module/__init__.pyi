@@ -25,8 +25,8 @@ from .studies.batch_run import batch as batch
 from .studies.design_result import DesignResult as DesignResult
 from .studies.design_search import design as design
 from .studies.fit_result import FitResult as FitResult
-from .studies.order_analysis import Orders as Orders
 from .studies.order_analysis import orders as orders
+from .studies.order_result import Orders as Orders
 from .studies.parameter_fit import fit as fit
 from .studies.parameter_sweep import SweepResult as SweepResult
 from .studies.parameter_sweep import sweep as sweep

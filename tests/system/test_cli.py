@@ -33,7 +33,7 @@ from inertia_module.interface.variables import ENUMERATIONS
 from inertia_module.scene import load_any_scene, summary_text
 from inertia_module.scene.keys import AUTO
 from inertia_module.scene.summary_text import Summary
-from inertia_module.studies.order_analysis import BASES
+from inertia_module.studies.order_result import BASES
 from tests.packed import with_words
 from tests.system.programs import command, is_one_line, process, succeeded
 

@@ -24,7 +24,7 @@ from inertia_module.fmu.builder import FMUS
 from inertia_module.fmu.native_fmu import Build
 from inertia_module.interface.variables import REAL
 from inertia_module.scene import load_scene
-from inertia_module.scene.run import scene_plan
+from inertia_module.scene.export_plan import scene_plan
 from tests.packed import files_of
 from tests.ready import HERE
 from tests.system.programs import needs, printed, process, programs

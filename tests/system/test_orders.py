@@ -20,7 +20,9 @@ from inertia_module.model import Module
 from inertia_module.plots.studies import order_figure
 from inertia_module.scene import load_scene
 from inertia_module.scene.reading import speed_unit
-from inertia_module.studies.order_analysis import HARMONICS, spectra
+from inertia_module.studies.order_analysis import HARMONICS
+from inertia_module.studies.order_lines import MIN_SHARE
+from inertia_module.studies.order_spectra import spectra
 from tests.system.programs import left
 
 order_run = sys.modules["inertia_module.studies.order_analysis"]
@@ -269,7 +271,7 @@ def test_aliases_are_below_the_smallest_listed_line(fmu):
     second = studies.orders(shorter, fmu, signals=["output_torque"], highest=8.0)
     size = min(first.order.size, second.order.size)
     a, b = first.amplitude["output_torque"][:size], second.amplitude["output_torque"][:size]
-    assert np.abs(a - b).max() < order_run.MIN_SHARE * b.max()
+    assert np.abs(a - b).max() < MIN_SHARE * b.max()
 
 
 def test_too_long_step_of_a_signal_is_rejected_with_a_sufficient_step(fmu):

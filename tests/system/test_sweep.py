@@ -19,7 +19,8 @@ from inertia_module.common.errors import InertiaModuleError, SceneError
 from inertia_module.plots.studies import design_figure
 from inertia_module.scene import load_scene, run_scene
 from inertia_module.scene.keys import keys_of_texts
-from inertia_module.scene.run import Quantity, SceneRunner
+from inertia_module.scene.quantity import Quantity
+from inertia_module.scene.run import SceneRunner
 from inertia_module.studies.axes import axes_of, grid
 from inertia_module.studies.design_specification import read_spec
 from inertia_module.studies.evaluation import Task, evaluate, summaries

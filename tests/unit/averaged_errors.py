@@ -5,7 +5,7 @@ Run: python tests/unit/averaged_errors.py, for the table in accuracy.md.
 
 from scenes import MECHANISMS, PARTS
 
-from inertia_module.analysis.converter_chart import SteadyMachine
+from inertia_module.analysis.steady_state import SteadyMachine
 from inertia_module.model import Module
 
 REALISTIC = PARTS["realistic"]

@@ -11,7 +11,7 @@ from scenes import MECHANISMS, PLANAR, advanced, started
 from scipy.interpolate import PchipInterpolator
 
 from inertia_module import model
-from inertia_module.analysis.converter_chart import SteadyMachine
+from inertia_module.analysis.steady_state import SteadyMachine
 from inertia_module.interface.variables import MAP_KEY
 from inertia_module.kernel import fields
 from inertia_module.kernel.averaged import torque_map

@@ -12,15 +12,19 @@ from refused import assert_refused
 from scenes import MECHANISMS, started
 from scipy.io import loadmat
 
-from inertia_module.analysis import converter_chart as charts
-from inertia_module.analysis.converter_chart import (
+from inertia_module.analysis.chart_files import (
+    LARGEST_TORQUE_RATIO,
+    MAP_SPEEDS,
     MAPPED,
     NOMINAL_SPEED,
     UNITS,
-    SteadyMachine,
-    compute_chart,
     converter_table,
+    save_converter,
+    save_map,
+    steady_map,
 )
+from inertia_module.analysis.converter_chart import RATIOS, TorqueConverterChart, compute_chart
+from inertia_module.analysis.steady_state import SteadyMachine
 from inertia_module.common.errors import InertiaModuleError
 from inertia_module.fmi.results import read_columns
 from inertia_module.plots.studies import chart_figure
@@ -74,7 +78,7 @@ def test_chart_saved_is_the_chart_read_and_its_numbers_have_units(tmp_path):
 def test_each_freewheel_of_a_planar_module_engages_once_a_turn_of_the_drive(losses):
     chart = compute_chart({**PLANAR, **losses}, 80.0, engagements=True)
     expected = (1.0 - chart.link2_ratio) * PLANAR["sun_radius"] / PLANAR["satellite_radius"]
-    measured = np.flatnonzero(np.isin(chart.speed_ratio, charts.RATIOS))
+    measured = np.flatnonzero(np.isin(chart.speed_ratio, RATIOS))
     assert measured.size > 1
     for engagements in (chart.housing_engagements, chart.output_engagements):
         # Near lock-up the map of the mean speed of link 2 is coarse.
@@ -93,7 +97,7 @@ def test_each_freewheel_of_a_planar_module_engages_once_a_turn_of_the_drive(loss
 
 def test_freewheels_of_a_chart_engage_as_often_as_in_a_run_with_a_heavy_shaft(compiled):
     chart = compute_chart({}, 100.0, engagements=True)
-    for ratio in charts.RATIOS[[3, 10, 20]]:
+    for ratio in RATIOS[[3, 10, 20]]:
         module = started(compiled, {}, omega1=100.0, omega_out_start=100.0 * ratio, output_inertia=1e5)
         module.advance(1.0)
         counts = [f"{name}_engagements" for name in ("housing", "output")]
@@ -146,10 +150,10 @@ def test_table_is_finite_and_gives_the_torques_of_the_chart(parameters, omega1):
     assert all(np.isfinite(values).all() for values in vars(table).values())
     assert (np.diff(table.speed_ratio) > 0.0).all()
     assert table.speed_ratio[0] == 0.0
-    assert table.torque_ratio.max() <= charts.LARGEST_TORQUE_RATIO * (1.0 + 1e-12)
+    assert table.torque_ratio.max() <= LARGEST_TORQUE_RATIO * (1.0 + 1e-12)
     taken, passed = block(table, omega1, table.speed_ratio)
     assert passed == pytest.approx(table.output_torque, rel=1e-12, abs=1e-12)
-    limited = table.torque_ratio > charts.LARGEST_TORQUE_RATIO * (1.0 - 1e-9)
+    limited = table.torque_ratio > LARGEST_TORQUE_RATIO * (1.0 - 1e-9)
     # The capacity factor has no sign. The column of the input torque shows that the shaft drives link 1.
     expected, floor = np.maximum(table.input_torque, 0.0), 1e-4 * table.input_torque.max()
     assert taken[~limited] == pytest.approx(expected[~limited], rel=1e-9, abs=1.01 * floor)
@@ -191,13 +195,13 @@ def test_coasting_torque_is_zero_without_losses():
 )
 def test_vecto_table_has_the_torques_of_the_chart(tmp_path, parameters, omega1):
     table = vars(table_of(parameters, omega1))
-    rows = list(csv.reader(charts.save_converter(table, omega1, tmp_path / "x")[2].open()))
+    rows = list(csv.reader(save_converter(table, omega1, tmp_path / "x")[2].open()))
     assert rows.pop(0) == ["Speed Ratio", "Torque Ratio", "Input Torque at reference rpm"]
     ratio, torque_ratio, reference = np.array(rows, dtype=float).T
     assert ratio.tolist() == table["speed_ratio"].tolist()
     assert torque_ratio * reference == pytest.approx(table["output_torque"], rel=1e-12, abs=1e-12)
-    assert np.abs(torque_ratio).max() <= charts.LARGEST_TORQUE_RATIO * (1.0 + 1e-12)
-    limited = np.abs(torque_ratio) > charts.LARGEST_TORQUE_RATIO * (1.0 - 1e-9)
+    assert np.abs(torque_ratio).max() <= LARGEST_TORQUE_RATIO * (1.0 + 1e-12)
+    limited = np.abs(torque_ratio) > LARGEST_TORQUE_RATIO * (1.0 - 1e-9)
     floor = 1.01e-4 * table["input_torque"].max()
     assert reference[~limited] == pytest.approx(table["input_torque"][~limited], rel=1e-9, abs=floor)
     assert (reference[-1] < 0.0) == ("output_drag" in parameters)
@@ -207,7 +211,7 @@ def test_mechanism_without_torque_is_rejected():
     chart = compute_chart({})
     none = {name: 0.0 * values for name, values in vars(chart).items() if values is not None}
     words = "a converter table requires torque; the mechanism transmits none at 100 rad/s"
-    assert_refused(words, converter_table, SteadyMachine({}), charts.TorqueConverterChart(**none), 100.0)
+    assert_refused(words, converter_table, SteadyMachine({}), TorqueConverterChart(**none), 100.0)
 
 
 # --- steady pulses: closed forms with friction (test_averaged_map.py tests them without losses) ---
@@ -240,21 +244,22 @@ def test_chart_ends_at_zero_output_torque_and_efficiency():
     assert SteadyMachine(parameters).at(50.0, 0.9).efficiency == 0.0
 
 
-SPEEDS, FEW = charts.MAP_SPEEDS[[0, 3, 7]], charts.RATIOS[::2]
+SPEEDS, FEW = MAP_SPEEDS[[0, 3, 7]], RATIOS[::2]
 
 
 @pytest.fixture
 def small_maps(monkeypatch):
     """Reduce the maps to three speeds and every second ratio."""
-    monkeypatch.setattr("inertia_module.analysis.converter_chart.MAP_SPEEDS", SPEEDS)
-    monkeypatch.setattr("inertia_module.analysis.converter_chart.RATIOS", FEW)
+    monkeypatch.setattr("inertia_module.analysis.chart_files.MAP_SPEEDS", SPEEDS)
+    for name in ("chart_files", "converter_chart"):
+        monkeypatch.setattr(f"inertia_module.analysis.{name}.RATIOS", FEW)
 
 
 @pytest.mark.usefixtures("small_maps")
 def test_map_depends_on_speed_with_viscous_friction_and_agrees_with_the_chart():
     told = []
     parameters = {**PLANAR, "input_friction": 0.01}
-    found = charts.steady_map(SteadyMachine(parameters), 200.0, told.append)
+    found = steady_map(SteadyMachine(parameters), 200.0, told.append)
     efficiency = found["efficiency"]
     assert efficiency.shape == (found["omega1"].size, FEW.size)
     assert found["omega1"][[0, -1]] == pytest.approx([20.0, 200.0])
@@ -281,8 +286,8 @@ def test_map_depends_on_speed_with_viscous_friction_and_agrees_with_the_chart():
 @pytest.mark.usefixtures("small_maps")
 def test_row_of_the_map_agrees_with_a_rigid_run(compiled, tmp_path):
     """The flywheel gives the torque, the energies give input torque and loss, and samples give the ripple."""
-    found = charts.steady_map(SteadyMachine(LOSSY), 200.0, lambda _: None)
-    rows = read_columns(charts.save_map(found, tmp_path / "map", "rpm")[0])[0]
+    found = steady_map(SteadyMachine(LOSSY), 200.0, lambda _: None)
+    rows = read_columns(save_map(found, tmp_path / "map", "rpm")[0])[0]
     omega1, inertia, step = 200.0, 1e5, 1e-4
     names = ("output_torque", "drive_angle", "drive_turns", "omega_out", "energy_in", "energy_lost")
     for ratio in FEW[[4, 7, 10]]:

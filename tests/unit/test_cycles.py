@@ -18,7 +18,8 @@ from inertia_module.driveline.cycles import (
     Cycle,
 )
 from inertia_module.scene import load_scene
-from inertia_module.scene.run import cycle_remarks, summarise
+from inertia_module.scene.summary_metrics import summarise
+from inertia_module.scene.vehicle_metrics import cycle_remarks
 
 MILE = 3600.0 * MILE_PER_HOUR
 

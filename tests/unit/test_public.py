@@ -23,7 +23,7 @@ from inertia_module.common.examples import example
 from inertia_module.interface.variables import BY_NAME
 from inertia_module.model import Module
 from inertia_module.scene import SceneResult, load_scene
-from inertia_module.scene.run import Quantity
+from inertia_module.scene.quantity import Quantity
 
 NAMES = sorted(PUBLIC)
 

@@ -27,13 +27,14 @@ from inertia_module import (
     torque_converter_chart,
 )
 from inertia_module.common.deprecated import MODULES, RenamedModule, new_module, renamed_arguments
-from inertia_module.scene.run import Quantity, SceneRunner
+from inertia_module.scene.quantity import Quantity
+from inertia_module.scene.run import SceneRunner
 from inertia_module.studies import axes
 from inertia_module.studies.design_judge import Judge
 from inertia_module.studies.design_result import DesignResult
 from inertia_module.studies.design_specification import read_spec
 from inertia_module.studies.evaluation import Row
-from inertia_module.studies.order_analysis import spectra
+from inertia_module.studies.order_spectra import spectra
 from inertia_module.studies.parameter_sweep import SweepResult
 from inertia_module.studies.search import Searched
 from inertia_module.studies.steady_metrics import STEADY_METRICS

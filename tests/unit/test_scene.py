@@ -14,8 +14,9 @@ from inertia_module.common.errors import SceneError
 from inertia_module.common.units import number_of, parse_unit
 from inertia_module.interface.variables import PARAMETER, with_causality
 from inertia_module.scene import load_scene
+from inertia_module.scene.export_plan import scene_plan
 from inertia_module.scene.reading import scene_text
-from inertia_module.scene.run import scene_plan, start_of
+from inertia_module.scene.run import start_of
 from inertia_module.scene.schema import Mechanism
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

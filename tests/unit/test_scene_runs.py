@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from inertia_module.analysis.converter_chart import SteadyMachine, compute_chart
+from inertia_module.analysis.converter_chart import compute_chart
+from inertia_module.analysis.steady_state import SteadyMachine
 from inertia_module.common.errors import InertiaModuleError, UnknownNameError
 from inertia_module.driveline import EngineMap, Governor
 from inertia_module.driveline.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
@@ -17,8 +18,8 @@ from inertia_module.fmi.results import Result
 from inertia_module.interface.variables import BY_NAME, LOSSES
 from inertia_module.plots.scenes import FLOWS, end_of_run, losses, plot, scene_figure
 from inertia_module.plots.studies import chart_figure
-from inertia_module.scene import load_scene, run, run_scene
-from inertia_module.scene.run import SUMMARISED, summarise
+from inertia_module.scene import freewheel_loads, load_scene, run, run_scene, summary_metrics, vehicle_metrics
+from inertia_module.scene.summary_metrics import SUMMARISED, summarise
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 R1 = load_scene(EXAMPLES / "reference.toml").replaced(run={"outputs": None}, accuracy={"tolerance": None})
@@ -114,7 +115,7 @@ def test_each_loss_is_reported():
 
 def test_forces_are_magnitudes_of_recorded_components():
     one = table(satellite_force=5.0, shaking_force_x=2.0, shaking_force_y=-3.0, shaking_force_z=6.0)
-    assert {name: values[-1] for name, values in run.forces(one).items()} == {
+    assert {name: values[-1] for name, values in summary_metrics.forces(one).items()} == {
         "satellite_force": 5.0,
         "shaking_force": 7.0,
     }
@@ -123,11 +124,11 @@ def test_forces_are_magnitudes_of_recorded_components():
     assert found["shaking_force_rms"].value == pytest.approx(7.0 / math.sqrt(2.0))
     assert "shaking_moment_peak" not in found
     # Two of three components are no magnitude. A signal that is 0 throughout is not modelled.
-    assert not run.forces(table(shaking_force_x=2.0, shaking_force_y=1.0))
-    assert not run.forces(table(satellite_force=0.0))
+    assert not summary_metrics.forces(table(shaking_force_x=2.0, shaking_force_y=1.0))
+    assert not summary_metrics.forces(table(satellite_force=0.0))
     # The forces of three satellites of 3 kN cancel to rounding.
     balanced = table(satellite_force=3e3, shaking_force_x=0.0, shaking_force_y=3e-12, shaking_force_z=-4e-12)
-    assert list(run.forces(balanced)) == ["satellite_force"]
+    assert list(summary_metrics.forces(balanced)) == ["satellite_force"]
     between = summarise(table(satellite_force=5.0, satellite_force_peak=8.0), None, 1.0, {})
     assert between["satellite_force_peak"] == (8.0, "N")
 
@@ -141,11 +142,11 @@ def test_maximum_frequency_is_the_mean_of_ten_engagements():
     for step, allowed in ((1e-3, 0.01), (0.015, 0.1)):
         time = np.arange(0.0, 6.0, step)
         count = np.searchsorted(events, time + 1e-9).astype(float)
-        assert run.fastest(time, count) == pytest.approx(50.0, rel=allowed)
+        assert freewheel_loads.fastest(time, count) == pytest.approx(50.0, rel=allowed)
     few = np.array([0.0, 1.0, 2.0, 5.0]), np.array([0.0, 1.0, 1.0, 3.0])
-    assert run.fastest(*few) == pytest.approx(0.5)
-    assert run.fastest(few[0], np.array([0.0, 0.0, 1.0, 1.0])) == pytest.approx(0.2)
-    assert run.fastest(few[0], np.zeros(4)) == 0.0
+    assert freewheel_loads.fastest(*few) == pytest.approx(0.5)
+    assert freewheel_loads.fastest(few[0], np.array([0.0, 0.0, 1.0, 1.0])) == pytest.approx(0.2)
+    assert freewheel_loads.fastest(few[0], np.zeros(4)) == 0.0
 
 
 def test_overruns_with_engaged_sprags_do_not_count():
@@ -155,7 +156,7 @@ def test_overruns_with_engaged_sprags_do_not_count():
         "housing_slip_peak": np.radians(degrees) / 1e-3,
     }
     record = Result.from_columns({"time": 1e-3 * np.arange(8.0), **columns})
-    assert run.engagements(record, "housing").tolist() == [0.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 4.0]
+    assert freewheel_loads.engagements(record, "housing").tolist() == [0.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 4.0]
 
 
 def test_duty_excludes_jumps_of_a_zero_order_speed(fmu):
@@ -225,7 +226,7 @@ def car(speed, time, **columns):
 def test_times_to_a_speed_count_from_the_last_standstill():
     time = np.linspace(0.0, 2.0, 201)
     record = car(np.interp(time, [0.0, 0.5, 1.0, 1.5, 2.0], [3.0, 0.0, 0.0, 10.0, 20.0]), time)
-    found = summarise(record, None, 1.0, run.times_to(record, [2.0, 10.0, 15.0, 30.0])[0])
+    found = summarise(record, None, 1.0, vehicle_metrics.times_to(record, [2.0, 10.0, 15.0, 30.0])[0])
     times = {name: found[name].value for name in found if name.startswith("time_to_")}
     assert times == {"time_to_36_kmh": pytest.approx(0.5), "time_to_54_kmh": pytest.approx(0.75)}
 
@@ -283,7 +284,7 @@ def test_the_tractive_force_accelerates_the_vehicle_and_overcomes_its_resistance
     ratio = vehicle.wheel_radius / vehicle.final_drive
     torques = {"rolling_torque": np.full(201, 100.0 * ratio), "slope_torque": np.full(201, 300.0 * ratio)}
     record = car(np.maximum(time - 1.0, 0.0) * 2.0, time, **torques)
-    force = run.tractive_force(record, vehicle)
+    force = vehicle_metrics.tractive_force(record, vehicle)
     assert force[:99].max() == 0.0
     assert force[101:] == pytest.approx(vehicle.mass * 2.0 + 400.0)
 
@@ -330,10 +331,10 @@ def test_launch_on_a_hill_starts_after_rolling_back():
     time = np.linspace(0.0, 4.0, 401)
     pulses = np.where(time % 0.2 < 0.1, 1.0, 0.0)
     speed = np.where(time < 1.0, np.sin(math.tau * time), np.where(time < 3.0, pulses, 10.0 * (time - 3.0)))
-    (quantity,) = run.times_to(car(speed, time), [5.0])[0].values()
+    (quantity,) = vehicle_metrics.times_to(car(speed, time), [5.0])[0].values()
     assert quantity.value == pytest.approx(2.5, abs=0.011)
     rolls_back = np.where(time < 3.0, -0.1 * pulses, 10.0 * (time - 3.0))
-    (quantity,) = run.times_to(car(rolls_back, time), [5.0])[0].values()
+    (quantity,) = vehicle_metrics.times_to(car(rolls_back, time), [5.0])[0].values()
     assert quantity.value == pytest.approx(0.5, abs=0.011)
 
 

@@ -13,7 +13,7 @@ from inertia_module.kernel.layout import imbalance_position
 from inertia_module.model import Module
 from inertia_module.scene import Scene, load_scene, run_scene
 from inertia_module.scene.keys import validated
-from inertia_module.scene.run import Quantity
+from inertia_module.scene.quantity import Quantity
 from inertia_module.studies.design_judge import Judge
 from inertia_module.studies.design_result import DesignResult, Finalist, doubts_of
 from inertia_module.studies.design_search import metrics_of_designs

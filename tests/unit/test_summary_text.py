@@ -9,8 +9,9 @@ from inertia_module.common.examples import example
 from inertia_module.fmi.results import Result
 from inertia_module.interface.variables import LOSSES
 from inertia_module.scene import load_scene
+from inertia_module.scene.quantity import Quantity
 from inertia_module.scene.reading import display_units
-from inertia_module.scene.run import Quantity, SceneResult
+from inertia_module.scene.result import SceneResult
 from inertia_module.scene.summary_text import DISPLAY_UNITS, summary, three_digits, two_digits
 
 TIME = np.linspace(0.0, 1.0, 11)

@@ -21,7 +21,8 @@ from .figure_files import FORMATS, FigureFormat, FigurePanel, figure_path, write
 from .options import Keys, OutputFolder, Text, option, speed_of, speed_text, values_of
 
 if TYPE_CHECKING:
-    from ..analysis.converter_chart import Array, TorqueConverterChart
+    from ..analysis.converter_chart import TorqueConverterChart
+    from ..analysis.steady_state import Array
     from ..scene import Scene
 
 
@@ -148,14 +149,15 @@ def _write_tables(
     Returns:
         Paths of the files, and the map; None without losses, unless it is written.
     """
-    from ..analysis import converter_chart as steady
+    from ..analysis.chart_files import converter_table, save_converter, save_map, steady_map
+    from ..analysis.steady_state import SteadyMachine
 
-    machine, files, chart_map = steady.SteadyMachine(scene.parameters()), list[Path](), None
+    machine, files, chart_map = SteadyMachine(scene.parameters()), list[Path](), None
     if mapped or not chart.lossless:
         with progress_bar(f"map of {stem.name}") as progress:
-            chart_map = steady.steady_map(machine, omega1, progress)
-        files += steady.save_map(chart_map, stem.with_name(f"{stem.name}_map"), unit, mapped)
+            chart_map = steady_map(machine, omega1, progress)
+        files += save_map(chart_map, stem.with_name(f"{stem.name}_map"), unit, mapped)
     if mapped or has_speed:
-        table = steady.converter_table(machine, chart, omega1)
-        files += steady.save_converter(table, omega1, stem.with_name(f"{stem.name}_converter"))
+        table = converter_table(machine, chart, omega1)
+        files += save_converter(table, omega1, stem.with_name(f"{stem.name}_converter"))
     return files, chart_map

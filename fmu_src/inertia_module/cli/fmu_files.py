@@ -73,7 +73,7 @@ def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> 
     out/export/SCENE.
     """
     from ..export.systems import export as write
-    from ..scene.run import scene_plan
+    from ..scene.export_plan import scene_plan
 
     folder = writable_folder(output or OUTPUT_FOLDER / "export" / scene.stem)
     paths = write(scene_plan(inertia_module.load_scene(scene, values_of(keys))), folder, aside)

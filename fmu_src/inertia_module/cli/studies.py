@@ -70,7 +70,7 @@ def orders(
     """
     from ..plots.studies import order_figure
     from ..scene.reading import speed_unit
-    from ..studies.order_analysis import BASES
+    from ..studies.order_result import BASES
 
     check_choice("reference angle", of, ANGLES)
     folder = writable_folder(output or OUTPUT_FOLDER / "orders" / scene.stem)

@@ -16,7 +16,8 @@ from ..driveline.cycles import KILOMETRE_PER_HOUR, TIME_TOLERANCE, Cycle
 from ..fmi.simulate import Result
 from ..interface.variables import LOSSES, LOST_TO
 from ..scene import Scene, SceneResult
-from ..scene.run import TIME_TO, forces, work
+from ..scene.summary_metrics import forces
+from ..scene.vehicle_metrics import TIME_TO, work
 from .panels import SIZE, SMOOTHING, Array, dress, envelope, headline, sheet, smooth
 
 # function that draws a table from a row; from row 0 it draws the whole run, else a close-up

@@ -23,7 +23,7 @@ from ..studies.axes import Axis
 from ..studies.design_result import DesignResult
 from ..studies.evaluation import Row
 from ..studies.fit_result import FitResult
-from ..studies.order_analysis import BASES, Orders
+from ..studies.order_result import BASES, Orders
 from ..studies.parameter_sweep import SweepResult, varies
 from .panels import SIZE, Array, dress, sheet, titled
 

@@ -36,12 +36,16 @@ from ..plots.panels import TITLE_PAD
 from ..plots.scenes import scene_figure
 from ..plots.studies import NAMED, chart_figure, order_figure
 from ..scene import Scene, SceneResult
+from ..scene.freewheel_loads import DUTY, FREEWHEELS
 from ..scene.headings import heading
 from ..scene.keys import in_range, keys_of
 from ..scene.reading import display_units, speed_unit
-from ..scene.run import DUTY, FREEWHEELS, TIME_TO, input_speed, start_of
+from ..scene.run import start_of
+from ..scene.summary_metrics import input_speed
 from ..scene.summary_text import WIDTH, SummaryWriter, three_digits
-from ..studies.order_analysis import ANGLES, BASES, BEARING, LINK1, SIGNALS, orders
+from ..scene.vehicle_metrics import TIME_TO
+from ..studies.order_analysis import ANGLES, BEARING, SIGNALS, orders
+from ..studies.order_result import BASES, LINK1
 
 TEMPLATE = Path(__file__).parent / "templates" / "report.html"
 # variables that a run for a report records in addition to the outputs of the scene

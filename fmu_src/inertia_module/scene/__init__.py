@@ -3,7 +3,8 @@
 from ..common.errors import SceneError
 from .chart import torque_converter_chart
 from .reading import load_any_scene, load_scene
-from .run import SceneResult, run_scene
+from .result import SceneResult
+from .run import run_scene
 from .schema import Scene
 from .shaft import ShaftScene
 from .shaft_run import run_shaft_scene

@@ -14,8 +14,10 @@ from ..driveline.sources import evaluate
 from ..fmi.simulate import communication_points, simulate_fmu
 from ..fmu.builder import current_fmu
 from .keys import scene_time_warnings
-from .run import Quantity, SceneResult, energy
+from .quantity import Quantity
+from .result import SceneResult
 from .shaft import READABLE, ShaftScene
+from .summary_metrics import energy
 
 
 @renamed_arguments(fmu_path="fmu")

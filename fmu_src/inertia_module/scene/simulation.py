@@ -15,7 +15,8 @@ from ..fmi.instance import as_names
 from ..fmi.results import Result
 from ..fmi.simulate import simulate_fmu
 from .reading import load_any_scene
-from .run import SceneResult, run_scene
+from .result import SceneResult
+from .run import run_scene
 from .schema import Scene
 from .shaft import ShaftScene
 from .shaft_run import run_shaft_scene

@@ -14,8 +14,11 @@ from numpy.typing import NDArray
 from ..common.units import factor_between, printed_unit
 from ..interface.variables import ENUMERATIONS, LOSSES, LOST_TO
 from ..kernel.codes import RIGID
+from .freewheel_loads import DUTY, FREEWHEELS
 from .headings import heading
-from .run import DUTY, FREEWHEELS, TIME_TO, TRACTIVE_FORCE, SceneResult, input_speed
+from .result import SceneResult
+from .summary_metrics import input_speed
+from .vehicle_metrics import TIME_TO, TRACTIVE_FORCE
 
 # maximum width of the text, characters
 WIDTH = 80

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from ..scene.run import TIME_TO
+from ..scene.vehicle_metrics import TIME_TO
 from .design_specification import MARGIN_RTOL, MISSING, Limit, Spec, limits_of
 from .evaluation import Row
 

@@ -12,7 +12,7 @@ from ..common.errors import InertiaModuleError
 from ..interface.variables import BY_NAME
 from ..scene import Scene
 from ..scene.loads import VehicleLoad
-from ..scene.run import TRACTIVE_FORCE
+from ..scene.vehicle_metrics import TRACTIVE_FORCE
 from .design_judge import Judge
 from .design_specification import metric_text, text_of
 from .evaluation import Row

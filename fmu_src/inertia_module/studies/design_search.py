@@ -17,8 +17,10 @@ from ..common.terminal import Progress
 from ..fmi.instance import fmu_content
 from ..scene import Scene
 from ..scene.keys import validated
+from ..scene.quantity import Quantity
 from ..scene.reading import scene_text
-from ..scene.run import TIME_TO, Quantity, SceneRunner
+from ..scene.run import SceneRunner
+from ..scene.vehicle_metrics import TIME_TO
 from .axes import Point, of_shares
 from .design_judge import Judge
 from .design_result import DesignResult, Finalist, doubts_of

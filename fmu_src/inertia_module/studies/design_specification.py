@@ -16,7 +16,7 @@ from ..interface.variables import ENUMERATIONS, LARGEST_SPEED
 from ..scene import Scene
 from ..scene.keys import Duration, Keys, Strict, quantity
 from ..scene.reading import load_tables
-from ..scene.run import TIME_TO
+from ..scene.vehicle_metrics import TIME_TO
 from .axes import Axis, axes_of
 from .evaluation import Row
 from .steady_metrics import STEADY_METRICS

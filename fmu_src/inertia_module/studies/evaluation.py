@@ -22,8 +22,9 @@ from ..common.terminal import Progress
 from ..fmi.results import heading, write_rows
 from ..scene import Scene
 from ..scene.keys import validated
+from ..scene.quantity import Quantity
 from ..scene.reading import as_scene
-from ..scene.run import Quantity, SceneRunner
+from ..scene.run import SceneRunner
 from .axes import Point
 
 Metrics = dict[str, Quantity]

@@ -19,7 +19,7 @@ from ..common.terminal import Progress
 from ..fmi.instance import fmu_content
 from ..fmi.results import write_rows
 from ..scene import Scene
-from ..scene.run import time_to
+from ..scene.vehicle_metrics import time_to
 from .axes import Axis, axes_of, grid, of_shares, shares_sampled
 from .evaluation import Evaluate, Evaluator, Row, Task, read, summaries, write_tables
 

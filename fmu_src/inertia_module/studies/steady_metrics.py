@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..analysis.converter_chart import RATIOS, SteadyMachine, compute_chart
+from ..analysis.converter_chart import RATIOS, compute_chart
+from ..analysis.steady_state import SteadyMachine
 from ..model import Module
 
 
