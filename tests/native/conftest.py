@@ -35,7 +35,7 @@ def run(command, **environment):
     """Run a program and return its output.
 
     Raises:
-            AssertionError: The program fails; the message contains its output.
+        AssertionError: The program fails; the message contains its output.
     """
     # Write into files: programs that continue, such as the server of Wine, would keep a pipe open.
     with (
@@ -61,7 +61,7 @@ class Workshop:
     """Builds C programs with the shell, the tables and the kernel of an FMU.
 
     Attributes:
-            fmu: The FMU. folder: Folder of the programs. objects: Names by C file and flags.
+        fmu: The FMU. folder: Folder of the programs. objects: Names by C file and flags.
     """
 
     def __init__(self, fmu, folder):

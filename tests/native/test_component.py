@@ -48,7 +48,7 @@ class Component:
     """An FMU in wasmtime, which receives only the callbacks.
 
     Attributes:
-            said: Log messages: name of the instance, status, category, message.
+        said: Log messages: name of the instance, status, category, message.
     """
 
     def __init__(self, content):

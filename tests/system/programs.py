@@ -68,7 +68,7 @@ def printed(source, folder):
     """Run a program in its own process, because hosts can crash, and return the numbers of its last line.
 
     Raises:
-            AssertionError: The program fails. The message contains its output.
+        AssertionError: The program fails. The message contains its output.
     """
     environment = {}
     with contextlib.suppress(importlib.metadata.PackageNotFoundError):

@@ -7,8 +7,8 @@ def faulty(after_step=None, told=None, after_restore=None):
     """Return a class of modules with a fault.
 
     Args:
-            after_step: Called after each step (module, step size). told: Function that changes the
-                    parameters of the start. after_restore: Called after a state is restored.
+        after_step: Called after each step (module, step size). told: Function that changes the
+            parameters of the start. after_restore: Called after a state is restored.
     """
 
     class Faulty(Module):
