@@ -16,14 +16,13 @@ from inertia_module.analysis.chart_files import (
     LARGEST_TORQUE_RATIO,
     MAP_SPEEDS,
     MAPPED,
-    NOMINAL_SPEED,
     UNITS,
     converter_table,
     save_converter,
     save_map,
     steady_map,
 )
-from inertia_module.analysis.converter_chart import RATIOS, TorqueConverterChart, compute_chart
+from inertia_module.analysis.converter_chart import NOMINAL_SPEED, RATIOS, TorqueConverterChart, compute_chart
 from inertia_module.analysis.steady_state import SteadyMachine
 from inertia_module.common.errors import InertiaModuleError
 from inertia_module.fmi.results import read_columns
