@@ -368,7 +368,7 @@ MOVED |= {"figures.report": "report_file", "harness": "__doc__", "harness.chart"
 MOVED |= {"harness.fmu": "Fmu", "harness.results": "Result", "jobs": "fit", "jobs.batch": "batch"}
 MOVED |= {"jobs.design": "design", "jobs.fit": "fit", "jobs.orders": "Orders", "jobs.sweep": "sweep"}
 MOVED |= {"loops": "shaft_load", "loops.engine": "EngineMap", "memory": "Module", "page": "__doc__"}
-MOVED |= {"page.html": "html_file", "contract.variables": "BY_NAME"}
+MOVED |= {"page.html": "html_file", "contract.variables": "BY_NAME", "fidelity.trials": "run_in_process"}
 
 
 @pytest.fixture
