@@ -238,7 +238,7 @@ def test_field_takes_a_unit_and_leaves_a_wrong_text(page):
 
 def test_speeds_are_in_rpm_in_the_whole_page(page):
     page.page.get_by_label("Unit of rotational speeds").select_option("rpm")
-    page.settled().drawn()
+    page.integrated().drawn()
     assert page.page.locator("#set-omega1").input_value() == "954.9297"
     table = page.page.locator(".instruments").first.inner_text()
     assert "rpm" in table
@@ -256,7 +256,7 @@ def test_tour_sets_view_curves_and_time(page):
     tour = page.page.locator("#tour")
     for step, locked in enumerate((None, None, "housing freewheel", "output freewheel", None), start=1):
         page.page.wait_for_function("!inertiaModule.state().busy")
-        page.settled().drawn()
+        page.integrated().drawn()
         assert tour.inner_text().startswith(f"{step} of 5")
         assert page.state("time") > 0
         if locked:
@@ -391,7 +391,7 @@ def test_axe_finds_no_serious_fault(sized):
     set_field(sized, "omega1", "abc")
     assert serious_faults(sized) == [], "wrong text in a field"
     sized.press("Tour")
-    sized.settled()
+    sized.integrated()
     assert serious_faults(sized) == [], "tour"
     sized.press("End tour")
     sized.press("What is this? Keys")
