@@ -60,6 +60,8 @@ def to_try():
     """Return the extremes of each axis without slow cases: the sample, and the others, marked as slow."""
     chosen = {}
     for number, extreme in enumerate(key for key, cases in EXTREMES.items() if not cases[0].slow):
+        if extreme[0] == RANGE_ENDS and number % 4:
+            continue  # `make stability` tries all ends
         slow = bool(number % SAMPLE or DEAR.fullmatch(", ".join(extreme)))
         chosen.setdefault((extreme[0], slow), []).append(extreme)
     for (axis, slow), extremes in chosen.items():
