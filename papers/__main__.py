@@ -11,7 +11,11 @@ from inertia_module.cli import Answer, OutputFolder, command
 from inertia_module.common.files import OUTPUT_FOLDER, writable_folder, write_figure
 from inertia_module.common.terminal import progress_bar
 
-app = typer.Typer(rich_markup_mode=None, pretty_exceptions_enable=False)
+app = typer.Typer(
+    context_settings={"help_option_names": ["-h", "--help"]},
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
 
 
 @app.command()

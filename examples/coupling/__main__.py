@@ -17,7 +17,11 @@ from inertia_module.common.files import OUTPUT_FOLDER, writable_folder
 from inertia_module.common.terminal import progress_bar
 from verification.__main__ import print_table
 
-app = typer.Typer(rich_markup_mode=None, pretty_exceptions_enable=False)
+app = typer.Typer(
+    context_settings={"help_option_names": ["-h", "--help"]},
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
 
 
 @app.command()

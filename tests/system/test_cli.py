@@ -86,10 +86,11 @@ SCENES = [path for path in examples().values() if path.suffix == ".toml" and pat
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", SCENES, ids=lambda path: path.stem)
 def test_summary_of_each_example_fits_a_terminal_of_80_columns(workshop, scene):
+    for name in ("InertiaModule", "DrivenShaft"):
+        builder.current_fmu(name)  # in the cache; otherwise the run reports that it builds the FMU
     done = succeeded("run", scene, folder=workshop)
     lines = done.stdout.splitlines()
-    assert all("build" in line or "compiling" in line for line in done.stderr.splitlines())
-    assert (max(map(len, lines)) <= 80, len(lines) <= 17) == (True, True), done.stdout
+    assert (done.stderr, max(map(len, lines)) <= 80, len(lines) <= 17) == ("", True, True), done.stdout
     assert lines[0].startswith(load_any_scene(scene).title[:40])
     assert lines[-1] == f"  out/{scene.stem}: table.csv  summary.json  plot.png"
     assert not re.search(r"(?<![\d.])0 (J|N|N·m|rpm|rad/s)", done.stdout)

@@ -94,7 +94,7 @@ def write_output_rates(d: Constants, u: Inputs, x: State, y: Outputs, w: Workspa
             return status
         if x.switches == w.kept.switches:
             break
-    # y begins with the outputs that have derivatives (contract/models.py)
+    # y begins with the outputs that have derivatives (interface/models.py)
     count = len(w.outputs_0.numbers)
     for n in range(count):
         value = w.outputs_0.numbers[n]

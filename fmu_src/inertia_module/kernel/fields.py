@@ -1,7 +1,7 @@
 """Fields of the records of the inertia module, in SI units.
 
 - p: parameters. u: inputs, each with its rate and a flag for the rate. y: outputs and local variables.
-  Their fields follow from the table of variables (contract/models.py).
+  Their fields follow from the table of variables (interface/models.py).
 - d: p, followed by CONSTANTS. x: STATE. w: WORKSPACE, whose values do not outlive a call.
 
 A field is one of:
