@@ -348,6 +348,14 @@ TOOLS = {
 }
 
 
+BUILD_FOR_TARGETS = """
+from pathlib import Path
+from inertia_module.compiling.targets import TARGETS
+from inertia_module.fmu.builder import build
+build(Path({!r}), targets=TARGETS[:{}])
+"""
+
+
 def elsewhere(folder, *arguments, **environment):
     """Run Python as another user, in another folder and time zone, and return its output."""
     home, temporary = folder / "home of somebody else", folder / "t"
@@ -360,17 +368,19 @@ def elsewhere(folder, *arguments, **environment):
     return process(*arguments, folder=home, **(other | environment)).stdout
 
 
-def test_files_do_not_depend_on_user_and_folder(built_for_all, tmp_path):
+def test_files_do_not_depend_on_user_and_folder(tmp_path):
+    two = TARGETS[:2]
+    build(tmp_path / "own", targets=two)
     moved, cache, other = (tmp_path / name for name in ("moved", "cache", "other"))
     shutil.copytree(PACKAGE_FOLDER, moved / PACKAGE_FOLDER.name, ignore=shutil.ignore_patterns("__pycache__"))
     cache.mkdir()
     # Build all parts again, except the libraries of the compiler.
     (cache / "zig").symlink_to(cache_folder() / "zig")
     own = {"INERTIA_MODULE_CACHE": str(cache), "PYTHONPATH": str(moved)}
-    elsewhere(tmp_path / "user", "-m", "inertia_module", "build", "-o", str(other), **own)
+    elsewhere(tmp_path / "user", "-c", BUILD_FOR_TARGETS.format(str(other), len(two)), **own)
     user = os.path.expanduser("~") + os.sep
     for file in (*FMUS, WEB_KERNEL):
-        path = built_for_all / file.file_name
+        path = tmp_path / "own" / file.file_name
         assert (other / file.file_name).read_bytes() == path.read_bytes(), file.file_name
         libraries = files_of(path) if path.suffix == ".fmu" else {path.name: path.read_bytes()}
         for name in [name for name in libraries if not name.endswith((".py", ".txt", ".html"))]:

@@ -366,8 +366,8 @@ def test_wrong_radius_is_named_or_tied(fmu, rig, tmp_path):
 def test_fits_are_correct_or_report_doubts(fmu, tmp_path, number):
     from benchmarks import fit as benchmark
 
-    verdicts = benchmark.run(benchmark.KINDS[number], 20, tmp_path, fmu)
-    assert sum(one.is_correct for one in verdicts) >= 19
+    verdicts = benchmark.run(benchmark.KINDS[number], 8, tmp_path, fmu)  # `make bench` fits 100 of each kind
+    assert sum(verdict.is_correct for verdict in verdicts) >= 7
 
 
 def delayed_columns(fmu, scene, names, times, late=()):
