@@ -15,7 +15,7 @@ from inertia_module.fmi.instance import Fmu
 from inertia_module.fmi.loading import Log, callbacks_of
 from inertia_module.fmu import builder, python_fmu
 from inertia_module.fmu.slave import HEAD_SIZE
-from inertia_module.model import NO_STATE, Module
+from inertia_module.model import INVALID_STATE, Module
 from tests.system.programs import process
 
 from .conftest import R1
@@ -239,7 +239,7 @@ def test_a_forged_number_of_a_state_is_no_index_and_no_choice(instance):
 def test_forged_or_early_state_is_rejected_without_effect(instances):
     fresh, running = instances(), instances().start(omega1=100.0)
     for state, byte, value, words in (
-        *((running.saved(), *forged, NO_STATE) for forged in ((0, 5), (0, 255), (17, 200), (20, 255))),
+        *((running.saved(), *forged, INVALID_STATE) for forged in ((0, 5), (0, 255), (17, 200), (20, 255))),
         (fresh.saved(), 0, 2, "must be saved after the start"),  # a forged flag: initialised
     ):
         changed = bytes([*state[:byte], value, *state[byte + 1 :]])

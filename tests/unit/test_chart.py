@@ -13,9 +13,9 @@ from scenes import MECHANISMS, started
 from scipy.io import loadmat
 
 from inertia_module.analysis.chart_files import (
-    LARGEST_TORQUE_RATIO,
+    MAP_COLUMNS,
     MAP_SPEEDS,
-    MAPPED,
+    MAX_TORQUE_RATIO,
     UNITS,
     converter_table,
     save_converter,
@@ -149,10 +149,10 @@ def test_table_is_finite_and_gives_the_torques_of_the_chart(parameters, omega1):
     assert all(np.isfinite(values).all() for values in vars(table).values())
     assert (np.diff(table.speed_ratio) > 0.0).all()
     assert table.speed_ratio[0] == 0.0
-    assert table.torque_ratio.max() <= LARGEST_TORQUE_RATIO * (1.0 + 1e-12)
+    assert table.torque_ratio.max() <= MAX_TORQUE_RATIO * (1.0 + 1e-12)
     taken, passed = block(table, omega1, table.speed_ratio)
     assert passed == pytest.approx(table.output_torque, rel=1e-12, abs=1e-12)
-    limited = table.torque_ratio > LARGEST_TORQUE_RATIO * (1.0 - 1e-9)
+    limited = table.torque_ratio > MAX_TORQUE_RATIO * (1.0 - 1e-9)
     # The capacity factor has no sign. The column of the input torque shows that the shaft drives link 1.
     expected, floor = np.maximum(table.input_torque, 0.0), 1e-4 * table.input_torque.max()
     assert taken[~limited] == pytest.approx(expected[~limited], rel=1e-9, abs=1.01 * floor)
@@ -199,8 +199,8 @@ def test_vecto_table_has_the_torques_of_the_chart(tmp_path, parameters, omega1):
     ratio, torque_ratio, reference = np.array(rows, dtype=float).T
     assert ratio.tolist() == table["speed_ratio"].tolist()
     assert torque_ratio * reference == pytest.approx(table["output_torque"], rel=1e-12, abs=1e-12)
-    assert np.abs(torque_ratio).max() <= LARGEST_TORQUE_RATIO * (1.0 + 1e-12)
-    limited = np.abs(torque_ratio) > LARGEST_TORQUE_RATIO * (1.0 - 1e-9)
+    assert np.abs(torque_ratio).max() <= MAX_TORQUE_RATIO * (1.0 + 1e-12)
+    limited = np.abs(torque_ratio) > MAX_TORQUE_RATIO * (1.0 - 1e-9)
     floor = 1.01e-4 * table["input_torque"].max()
     assert reference[~limited] == pytest.approx(table["input_torque"][~limited], rel=1e-9, abs=floor)
     assert (reference[-1] < 0.0) == ("output_drag" in parameters)
@@ -410,8 +410,8 @@ def test_command_compares_scenes_and_draws_a_map_of_a_machine_with_losses_only(t
         columns, _ = read_columns(tmp_path / "out" / f"{name}.csv")
         assert columns["output_torque"][0] == numbers["stall_torque"] > 0.0
     columns, units = read_columns(tmp_path / "out" / "rubbed_map.csv")
-    assert list(columns) == ["omega1", "speed_ratio", *MAPPED]
-    assert units == {"omega1": "rad/s", **{name: UNITS[name] for name in MAPPED if name != "efficiency"}}
+    assert list(columns) == ["omega1", "speed_ratio", *MAP_COLUMNS]
+    assert units == {"omega1": "rad/s", **{name: UNITS[name] for name in MAP_COLUMNS if name != "efficiency"}}
     assert not list((tmp_path / "out").glob("*map_*"))
     assert not (tmp_path / "out" / "planar_map.csv").exists()
     assert (tmp_path / "out" / "chart.png").read_bytes().startswith(b"\x89PNG")
@@ -427,7 +427,7 @@ def test_command_writes_the_map_long_wide_and_for_matlab(tmp_path):
     assert read["omega1"] == pytest.approx(1500.0 * SPEEDS, rel=1e-12)
     assert set(long["efficiency"]) == {1.0}
     assert not any(long["loss"])
-    for name in MAPPED:
+    for name in MAP_COLUMNS:
         unit = UNITS.get(name)
         wide, units = read_columns(tmp_path / f"planar_map_{name}.csv")
         assert set(units.values()) == ({unit} if unit else set())

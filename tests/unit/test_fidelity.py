@@ -41,7 +41,7 @@ def folder(tmp_path_factory):
 @pytest.fixture(autouse=True)
 def cache(folder, monkeypatch):
     """Store the measurements of these tests in their own folder, so that each scene is measured once."""
-    monkeypatch.setattr(measure, "kept", partial(files.kept, folder=folder))
+    monkeypatch.setattr(measure, "cached", partial(files.cached, folder=folder))
 
 
 # --- the scene ---

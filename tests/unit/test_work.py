@@ -8,7 +8,7 @@ from refused import refusal
 from scenes import advanced, motions, started
 
 from inertia_module.kernel.inputs import MIN_STEP
-from inertia_module.model import NO_STATE, DrivenShaft, Module
+from inertia_module.model import INVALID_STATE, DrivenShaft, Module
 
 AT_ONCE = 0.2  # s of CPU time; an interrupted step takes some seconds
 TOO_SHORT = (5e-324, 1e-300, 0.99 * MIN_STEP)
@@ -97,10 +97,10 @@ def test_state_with_a_fractional_counter_is_rejected(compiled, field, number):
     module = advanced(started(compiled, omega1=100.0, mesh_efficiency=0.98), 1e-3)
     setattr(module.state, field, number)
     saved = module.save()
-    assert rejected_at_once(Module(compiled).restore, saved) == NO_STATE
+    assert rejected_at_once(Module(compiled).restore, saved) == INVALID_STATE
 
 
 def test_a_state_whose_parameters_do_not_go_together_is_rejected(compiled):
     module = advanced(started(compiled, omega1=100.0), 1e-3)
     module.parameters.omega2_start = 1.0  # The value exceeds the speed of the output shaft.
-    assert rejected_at_once(Module(compiled).restore, module.save()) == NO_STATE
+    assert rejected_at_once(Module(compiled).restore, module.save()) == INVALID_STATE

@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..common.files import kept, sources
+from ..common.files import cached, sources
 from ..interface.models import Model
 from . import CompilationError
 from .targets import WIN_ARM, Target, here
@@ -93,7 +93,7 @@ def object_file(model: Model, target: Target) -> bytes:
             return (folder / "kernel.o").read_bytes()
 
     depends_on = dependencies(model) | {"platform": f"{target.compiler}-{target.processor}".encode()}
-    return kept(f"{model.name}.o", depends_on, compiled).read_bytes()
+    return cached(f"{model.name}.o", depends_on, compiled).read_bytes()
 
 
 def import_library(target: Target, folder: Path, library: str, names: Sequence[str]) -> str:
@@ -194,6 +194,6 @@ def kernel_library(model: Model) -> Path:
     """
     target = here()
     name = f"{model.name}-kernel-{target.label}{target.suffix}"
-    return kept(
+    return cached(
         name, dependencies(model), lambda: with_kernel(model, target, f"{model.name}{target.suffix}", {})
     )

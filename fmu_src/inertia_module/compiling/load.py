@@ -7,7 +7,7 @@ import functools
 import zipfile
 from pathlib import Path
 
-from ..common.files import PACKAGE_FOLDER, kept, ready_made
+from ..common.files import PACKAGE_FOLDER, cached, ready_made
 from ..interface.models import Model
 from . import CompilationError
 from .targets import here
@@ -31,7 +31,7 @@ def _library(model: Model) -> Path:
     if fmu is not None:
         with zipfile.ZipFile(fmu) as packed:
             content = packed.read(f"binaries/{here().folder}/{fmu.stem}{here().suffix}")
-        return kept(fmu.stem + here().suffix, {fmu.name: content}, lambda: content)
+        return cached(fmu.stem + here().suffix, {fmu.name: content}, lambda: content)
     try:
         from .c_compiler import kernel_library
     except ImportError:

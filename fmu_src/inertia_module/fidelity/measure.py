@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.files import kept, sources
+from ..common.files import cached, sources
 from ..common.terminal import Progress
 from ..driveline import ClosedLoop
 from ..driveline.closed_loop import PLANT_INPUTS
@@ -179,4 +179,4 @@ def trial_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
         with tempfile.TemporaryDirectory() as folder:
             return write_rows(Path(folder) / "trials.csv", rows).read_bytes()
 
-    return read_rows(kept("trials.csv", dependencies(scene), measure))
+    return read_rows(cached("trials.csv", dependencies(scene), measure))

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from .. import __version__
-from ..common.files import kept, sources
+from ..common.files import cached, sources
 from ..compiling import CompilationError
 from ..compiling.c_compiler import link
 from ..compiling.targets import Target
@@ -97,9 +97,11 @@ def link_front(target: Target, behind: str) -> bytes:
         behind: name of pythonfmu's library.
     """
     files = sources("fmu/front/*", "compiling/windows.c")
-    made_from = files | sources("__init__.py", "fmu/linking.py", "fmu/templates/version.rc")
-    made_from |= sources("compiling/c_compiler.py", "compiling/tools.py") | tool_versions("ziglang", "fmpy")
-    made_from[behind] = target.label.encode()
+    hashed_parts = files | sources("__init__.py", "fmu/linking.py", "fmu/templates/version.rc")
+    hashed_parts |= sources("compiling/c_compiler.py", "compiling/tools.py") | tool_versions(
+        "ziglang", "fmpy"
+    )
+    hashed_parts[behind] = target.label.encode()
 
     def linked() -> bytes:
         content = {Path(path).name: text for path, text in files.items()}
@@ -109,7 +111,7 @@ def link_front(target: Target, behind: str) -> bytes:
         needed = target._replace(libraries=("-ldl",))
         return link(needed, f"front{target.suffix}", content, *flags, imports=windows)
 
-    return kept(f"front-{target.label}{target.suffix}", made_from, linked).read_bytes()
+    return cached(f"front-{target.label}{target.suffix}", hashed_parts, linked).read_bytes()
 
 
 def join_for_mac(libraries: Sequence[tuple[str, bytes]]) -> bytes:

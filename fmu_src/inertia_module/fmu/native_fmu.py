@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from .. import __version__
-from ..common.files import kept, sources
+from ..common.files import cached, sources
 from ..compiling import CompilationError
 from ..compiling.c_compiler import dependencies, kernel_source, with_kernel
 from ..compiling.targets import TARGETS, Target
@@ -92,13 +92,13 @@ class NativeFmu(NamedTuple):
 
     def guid(self) -> str:
         """Return the GUID, a hash of all sources of the FMU and of the versions of the tools."""
-        made_from = dependencies(self.model)
-        made_from |= sources("fmu/*.py", "fmu/shell/*", "fmu/wasm/*", "fmu/templates/*")
-        made_from |= {path.name: path.read_bytes() for path in header_folder().glob(f"fmi{self.fmi}*.h")}
-        made_from |= accompanying_files(self.model, self.picture, self.fmi)
-        made_from |= {name: text.encode() for name, text in generated(self.model, "", self.fmi).items()}
-        made_from["description"] = model_description(self.model, self.identifier, "", "", self.fmi)
-        return guid_of(made_from)
+        hashed_parts = dependencies(self.model)
+        hashed_parts |= sources("fmu/*.py", "fmu/shell/*", "fmu/wasm/*", "fmu/templates/*")
+        hashed_parts |= {path.name: path.read_bytes() for path in header_folder().glob(f"fmi{self.fmi}*.h")}
+        hashed_parts |= accompanying_files(self.model, self.picture, self.fmi)
+        hashed_parts |= {name: text.encode() for name, text in generated(self.model, "", self.fmi).items()}
+        hashed_parts["description"] = model_description(self.model, self.identifier, "", "", self.fmi)
+        return guid_of(hashed_parts)
 
     def content(self, build: Build) -> bytes:
         """Return the content of the file.
@@ -222,7 +222,7 @@ def component_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[s
         progress(f"compiling {fmu.identifier} for {PLATFORM}")
         return component(fmu.model, made_for)
 
-    content = kept(f"{fmu.identifier}-{PLATFORM}.wasm", {"guid": made_for.encode()}, compiled).read_bytes()
+    content = cached(f"{fmu.identifier}-{PLATFORM}.wasm", {"guid": made_for.encode()}, compiled).read_bytes()
     manifest = (FOLDER / "manifest.xml").read_bytes()
     return {f"binaries/{PLATFORM}/{fmu.identifier}.wasm": content, MANIFEST: manifest}
 
@@ -244,4 +244,4 @@ def library(fmu: NativeFmu, made_for: str, target: Target, progress: Progress) -
         return with_kernel(fmu.model, target, file, content, "-isystem", str(header_folder()))
 
     name = f"{fmu.identifier}-{target.label}{target.suffix}"
-    return kept(name, {"guid": made_for.encode()}, linked).read_bytes()
+    return cached(name, {"guid": made_for.encode()}, linked).read_bytes()

@@ -165,8 +165,8 @@ def _description(fmu: PythonFmu, guid: str, date: str) -> bytes:
 
 
 def _guid(fmu: PythonFmu, files: Mapping[str, bytes]) -> str:
-    made_from = (
+    hashed_parts = (
         dict(files) | _accompanying_files(fmu) | sources("fmu/python_fmu.py") | tool_versions("pythonfmu")
     )
-    made_from["description"] = _description(fmu, "", "")
-    return guid_of(made_from)
+    hashed_parts["description"] = _description(fmu, "", "")
+    return guid_of(hashed_parts)

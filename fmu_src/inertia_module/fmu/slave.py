@@ -18,7 +18,7 @@ from pythonfmu.enums import Fmi2Status
 from ..common.errors import InertiaModuleError, ParameterError, must_be
 from ..interface.variables import BOOLEAN, INPUT, PARAMETER, REAL, Variable
 from ..kernel import codes
-from ..model import NO_STATE, ModelInstance, Module
+from ..model import INVALID_STATE, ModelInstance, Module
 
 INSTANTIATED = "instantiated"
 INITIALIZING = "in initialization mode"
@@ -321,12 +321,12 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
     def _set_fmu_state(self, state: bytes) -> None:
         try:
             if len(state) < HEAD_SIZE or state[0] >= len(_PHASES):
-                raise ParameterError(NO_STATE)
+                raise ParameterError(INVALID_STATE)
             phase = _PHASES[state[0]]
             self._instance.restore(state[HEAD_SIZE:], must_be_started=phase in (STEPPING, TERMINATED))
         except Exception as error:
             raise RecoverableError(
-                str(error) if isinstance(error, InertiaModuleError) else f"{NO_STATE}: {error}"
+                str(error) if isinstance(error, InertiaModuleError) else f"{INVALID_STATE}: {error}"
             ) from None
         tolerance, self._stop_time = array("d", state[1:HEAD_SIZE])
         self._tolerance = None if math.isnan(tolerance) else tolerance

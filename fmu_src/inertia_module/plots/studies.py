@@ -30,7 +30,7 @@ from .panels import SIZE, Array, dress, sheet, titled
 # --- torque converter charts, one curve per mechanism ---
 
 COLOURS = (VERMILION, BLUE, GREEN, ORANGE, PURPLE, SKY, BLACK)
-LARGEST_TORQUE_RATIO = 6.0
+MAX_TORQUE_RATIO = 6.0
 # efficiencies of the contour lines
 EFFICIENCY_LEVELS = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0)
 # title and label of the panels of a chart; the last two panels require engagements
@@ -118,7 +118,7 @@ def _draw_charts(
         colour = COLOURS[number % len(COLOURS)]
         speed, torque = chart.speed_ratio, chart.output_torque
         # Torque ratio and ripple are drawn only within a limited range.
-        in_range = chart.input_torque * LARGEST_TORQUE_RATIO > torque
+        in_range = chart.input_torque * MAX_TORQUE_RATIO > torque
         has_torque = torque > 1e-3 * max(chart.stall_torque, 1e-300)
         ratio.plot(speed[in_range], torque[in_range] / chart.input_torque[in_range], color=colour, label=name)
         if efficiency is not None:
@@ -137,7 +137,7 @@ def _draw_charts(
                 duty[0].axhline(frequency_factor * allowed[name], color=colour, linestyle=":")
     for axes in panels:
         axes.set_ylim(bottom=0.0)
-    ratio.set_ylim(0.0, LARGEST_TORQUE_RATIO)
+    ratio.set_ylim(0.0, MAX_TORQUE_RATIO)
     for axes in panels[-2:]:
         axes.set_xlabel("speed ratio, output / input")
     if len(charts) > 1:
