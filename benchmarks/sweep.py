@@ -17,7 +17,7 @@ from inertia_module.driveline.closed_loop import PLANT_INPUTS
 from inertia_module.fidelity.timing import kernel_time
 from inertia_module.fmi.simulate import whole_steps
 from inertia_module.model import Module
-from inertia_module.scene.run import SceneRunner, start_of
+from inertia_module.scene.run import SceneRunner, initial_values
 from inertia_module.studies.axes import axes_of, grid
 from inertia_module.studies.evaluation import Task, evaluate, summaries
 from inertia_module.studies.workers import evaluations, pool
@@ -73,7 +73,7 @@ def time_of_kernel(scene):
     Args:
         scene: The scene.
     """
-    parameters, inputs = start_of(scene)
+    parameters, inputs = initial_values(scene)
     module, step = Module().start(**parameters, **inputs), scene.run.communication_step
     values = tuple(inputs.get(name, 0.0) for name in PLANT_INPUTS)
     steps = whole_steps(scene.run.stop_time, step)

@@ -13,7 +13,7 @@ from scenes import ELASTIC
 
 from examples.coupling.study import URBAN_MODULE
 from inertia_module import control
-from inertia_module.control.fmu_system import bytes_of, numbers_of
+from inertia_module.control.fmu_system import pack_bytes, unpack_bytes
 from inertia_module.fmi.instance import Fmu
 from inertia_module.interface import variables
 
@@ -125,12 +125,12 @@ def test_result_depends_only_on_state_and_input(built, name, parameters, state):
 def test_bytes_are_packed_as_integers_and_a_modified_integer_is_an_error():
     for size in (0, 1, 5, 6, 7, 19088):
         data = np.random.default_rng(size).bytes(size)
-        numbers = numbers_of(data)
+        numbers = pack_bytes(data)
         assert (numbers == np.floor(numbers)).all()
-        assert bytes_of(numbers) == data
+        assert unpack_bytes(numbers) == data
     numbers[2] += 0.5
     with pytest.raises(ValueError, match=r"a whole state must be unchanged \(number 2 is "):
-        bytes_of(numbers)
+        unpack_bytes(numbers)
 
 
 # --- functions of python-control ---

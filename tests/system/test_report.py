@@ -14,7 +14,7 @@ from inertia_module.plots.mechanism import mechanism_figure
 from inertia_module.report import html_report as report
 from inertia_module.report.html_report import RECORDED
 from inertia_module.scene import Scene, load_any_scene, run_scene, run_shaft_scene
-from inertia_module.scene.keys import keys_of_texts
+from inertia_module.scene.keys import keys_from_options
 from tests.system.chromium import FONTS, REFERENCE, set_font
 from tests.system.programs import left
 
@@ -40,7 +40,7 @@ def reported(built, tmp_path):
         fmu, path = built / f"{'DrivenShaft' if shaft else 'InertiaModule'}.fmu", tmp_path / "report.html"
         told = left("report", scene, *(f"--set={key}" for key in keys), "--fmu", fmu, "--json", "-o", path)
         assert json.loads(told)["bytes"] == path.stat().st_size
-        read = load_any_scene(scene, keys_of_texts(keys))
+        read = load_any_scene(scene, keys_from_options(keys))
         module = isinstance(read, Scene)
         return ElementTree.parse(path).getroot(), (
             run_scene(read, fmu, also=RECORDED) if module else run_shaft_scene(read, fmu)

@@ -23,14 +23,14 @@ def evaluator(folder, name="one"):
 
 def test_stored_rows_are_exact_and_a_truncated_row_is_missing(tmp_path):
     first = evaluator(tmp_path)
-    first.keep(Batch(ROWS[:1], {"energy_in": "J"}))
-    first.keep(Batch(ROWS[1:2], {}))
+    first.add_batch(Batch(ROWS[:1], {"energy_in": "J"}))
+    first.add_batch(Batch(ROWS[1:2], {}))
     assert evaluator(tmp_path)(POINTS[:2]) == ROWS[:2]
     first.path.write_bytes(first.path.read_bytes()[:-5])
     again = evaluator(tmp_path)
     assert again.units == {"energy_in": "J"}
     assert again.missing([*POINTS, *POINTS]) == POINTS[1:]
-    again.keep(Batch(ROWS[1:], {}))
+    again.add_batch(Batch(ROWS[1:], {}))
     assert evaluator(tmp_path)(POINTS) == ROWS
 
 

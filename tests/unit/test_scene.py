@@ -16,7 +16,7 @@ from inertia_module.interface.variables import PARAMETER, with_causality
 from inertia_module.scene import load_scene
 from inertia_module.scene.export_plan import scene_plan
 from inertia_module.scene.reading import scene_text
-from inertia_module.scene.run import start_of
+from inertia_module.scene.run import initial_values
 from inertia_module.scene.schema import Mechanism
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -158,8 +158,8 @@ def test_a_torque_sets_the_drive_and_the_start():
     scene = read(TORQUE)
     assert scene.parameters() == {"input_inertia": 0.2, "drive": 1.0}
     start = {"drive_torque": 12.0, "omega1": pytest.approx(20.0 * math.pi), "load_torque": 10.0}
-    assert start_of(scene)[1] == start
-    assert start_of(read(changed(TORQUE, '\nomega1 = "600 rpm"', "")))[1]["omega1"] == 0.0
+    assert initial_values(scene)[1] == start
+    assert initial_values(read(changed(TORQUE, '\nomega1 = "600 rpm"', "")))[1]["omega1"] == 0.0
     assert read(TORQUE + '\ndrive = "torque"').parameters() == scene.parameters()
     assert read(OPEN + '[mechanism]\ndrive = "speed"').parameters()["drive"] == 0.0
 
@@ -168,7 +168,7 @@ def test_an_engine_is_a_torque_of_its_map_and_carries_its_rotor():
     drive = {"throttle": 0.5, "throttle_over_time": None, "omega1": 100.0}
     scene = load_scene(EXAMPLES / "engine_launch.toml").replaced(drive=drive)
     low, high = scene.drive.torque_map().limits(100.0)
-    values, inputs = start_of(scene)
+    values, inputs = initial_values(scene)
     assert inputs["drive_torque"] == pytest.approx(0.5 * (low + high))
     assert (inputs["omega1"], values["input_inertia"], values["drive"]) == (100.0, 0.15, 1.0)
 

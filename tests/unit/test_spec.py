@@ -15,7 +15,7 @@ from inertia_module.scene import Scene, load_scene, run_scene
 from inertia_module.scene.keys import validated
 from inertia_module.scene.quantity import Quantity
 from inertia_module.studies.design_judge import Judge
-from inertia_module.studies.design_result import DesignResult, Finalist, doubts_of
+from inertia_module.studies.design_result import DesignResult, Finalist, caveats_of
 from inertia_module.studies.design_search import metrics_of_designs
 from inertia_module.studies.design_specification import Limit, limits_of, read_spec
 from inertia_module.studies.evaluation import Row
@@ -41,11 +41,11 @@ def test_a_specification_is_a_scene_with_free_keys_figures_and_a_search(read):
     spec = read(SPEC)
     assert [axis.name for axis in spec.axes] == ["mechanism.imbalance_mass", "mechanism.satellites"]
     assert spec.goals == {"omega_out_final": "greatest", "total_imbalance_mass": "least"}
-    assert spec.named == {
+    assert spec.steady_demands == {
         "stall_torque": (pytest.approx(104.7197551), 0.0),
         "total_imbalance_mass": (0.0, 0.0),
     }
-    assert spec.metrics.keys() - spec.named.keys() == {"omega_out_final"}
+    assert spec.metrics.keys() - spec.steady_demands.keys() == {"omega_out_final"}
     assert spec.load.inertia == 0.5
     assert (spec.search.check, spec.search.population) == ("rigid", 40)
 
@@ -80,7 +80,7 @@ def test_designs_are_judged_in_the_units_of_their_figures(read):
     )
     short = row(15.0, 60.0, 1.0)
     assert not judge.meets(short)
-    assert judge.beyond(short) == pytest.approx(0.25 + 0.2)
+    assert judge.total_violation(short) == pytest.approx(0.25 + 0.2)
     assert judge.tightest(short) == "stall_torque 15 N.m (limit: at least 20 N.m)"
     refused = Row({"mass": 1.0}, {}, 0.0, "no")
     assert judge.violations(refused) == [1.0, 1.0, 1.0, 1.0]
@@ -108,8 +108,11 @@ def test_better_designs_of_another_search_dominate_within_the_limits(read):
         (row(10.0, 21.0, 0.5), False),
         (row(30.0, 60.0, 0.5), False),
     ):
-        assert (judge.better(here, [other]) is other) == better
-    assert judge.better(here, [row(30.0, 20.0, 0.9), row(30.0, 25.0, 0.8)]).metrics["omega_out_final"] == 25.0
+        assert (judge.dominating_row(here, [other]) is other) == better
+    assert (
+        judge.dominating_row(here, [row(30.0, 20.0, 0.9), row(30.0, 25.0, 0.8)]).metrics["omega_out_final"]
+        == 25.0
+    )
 
 
 def test_keys_of_a_specification_are_set_as_in_its_file(tmp_path):
@@ -171,7 +174,7 @@ def test_figures_with_satellite_mass_have_a_caveat(density, end):
     held, least = (metric(name, values) for name in ("lock_up_torque", "least_torque"))
     assert (held, least) == ((0.0, 0.0) if density else pytest.approx((655.15, 55.24), abs=0.01))
     scene = load_scene(example("engine_launch")).replaced(mechanism={**values, "output_inertia": None})
-    doubts = doubts_of(scene, {"distance": 80.0}, 250.0)
+    doubts = caveats_of(scene, {"distance": 80.0}, 250.0)
     doubts.pop("drive too weak", None)  # A machine that locks up has this doubt
     assert doubts == (
         {"no lock-up": f"no torque is transmitted above a speed ratio of {end}"}
@@ -216,16 +219,16 @@ def test_satellite_of_bevel_gears_turns_by_both_meshes():
 
 def test_resting_load_and_missing_freewheel_are_reported():
     scene = load_scene(example("engine_launch"))
-    assert "load does not move" not in doubts_of(scene, {"distance": 80.0, "omega_out_maximum": 0.0}, 250.0)
-    resting = doubts_of(scene, {"distance": 0.09, "omega_out_maximum": 9.0}, 250.0)
+    assert "load does not move" not in caveats_of(scene, {"distance": 80.0, "omega_out_maximum": 0.0}, 250.0)
+    resting = caveats_of(scene, {"distance": 0.09, "omega_out_maximum": 9.0}, 250.0)
     assert resting["load does not move"].startswith("0.0")
     shaft = load_scene(example("reference")).replaced(mechanism={"output_freewheel": 0.0})
-    assert "load does not move" not in doubts_of(shaft, {"omega_out_maximum": 90.0}, 250.0)
-    found = doubts_of(shaft, {"omega_out_maximum": 0.0}, 250.0)
+    assert "load does not move" not in caveats_of(shaft, {"omega_out_maximum": 90.0}, 250.0)
+    found = caveats_of(shaft, {"omega_out_maximum": 0.0}, 250.0)
     assert found["load does not move"] == "0 revolutions in the run"
     assert "without both freewheels there is no mean torque" in found["no mean torque"]
     # A scene without a run has no doubts.
-    assert "load does not move" not in doubts_of(shaft, {}, 250.0)
+    assert "load does not move" not in caveats_of(shaft, {}, 250.0)
 
 
 def test_verdict_contains_doubts_and_the_end_of_the_search(read, tmp_path):
@@ -249,7 +252,7 @@ def test_verdict_contains_doubts_and_the_end_of_the_search(read, tmp_path):
     # A rejected design is never the nearest design, even if all others are far from the limits.
     distant, refused = row(1.0, 500.0, 1.0), Row({"mass": 9.0}, {}, 0.0, "too heavy")
     judge = Judge(spec, UNITS)
-    assert judge.beyond(distant) > judge.beyond(refused)
+    assert judge.total_violation(distant) > judge.total_violation(refused)
     none = DesignResult(judge, [refused, distant], [], [], 2, {}, Searched([], [], False)).verdict()
     assert none.endswith("closest design: omega_out_final 500 rad/s (limit: at most 50 rad/s)")
 
@@ -338,11 +341,11 @@ def test_drive_below_the_speed_of_the_figures_is_a_caveat():
     scene = load_scene(example("engine_launch"))
     torque = scene.drive_torque_limit(200.0)
     assert torque == pytest.approx(35.6, abs=0.5)
-    found = doubts_of(scene, {}, 200.0)["drive too weak"]
+    found = caveats_of(scene, {}, 200.0)["drive too weak"]
     chart = compute_chart(scene.parameters(), 200.0)
     assert f"takes up to {(chart.input_torque * 4e4).max():.4g} N.m at 200 rad/s" in found
     strong = scene.replaced(drive={"full_load": {"speed": [0.0, 300.0], "torque": [2000.0, 2000.0]}})
-    assert "drive too weak" not in doubts_of(strong, {}, 200.0)
+    assert "drive too weak" not in caveats_of(strong, {}, 200.0)
     assert load_scene(example("planar")).drive_torque_limit(200.0) is None
 
 
@@ -350,9 +353,9 @@ def test_slipping_wheels_are_a_caveat():
     scene = load_scene(example("engine_launch")).replaced(load={"friction_coefficient": 0.5})
     grip = 0.5 * 900.0 * 9.80665
     assert scene.load.grip == pytest.approx(grip)
-    found = doubts_of(scene, {"tractive_force_maximum": 1.01 * grip}, 200.0)
+    found = caveats_of(scene, {"tractive_force_maximum": 1.01 * grip}, 200.0)
     assert found["wheels slip"] == f"the tractive force reaches {1.01 * grip:.4g} N, the grip is {grip:.4g} N"
-    assert "wheels slip" not in doubts_of(scene, {"tractive_force_maximum": 0.99 * grip}, 200.0)
+    assert "wheels slip" not in caveats_of(scene, {"tractive_force_maximum": 0.99 * grip}, 200.0)
 
 
 # --- envelope and mass of a mechanism, against its geometry scanned over all angles ---
@@ -390,7 +393,7 @@ def test_envelope_mass_and_room_of_a_planar_mechanism():
     assert metric("total_imbalance_mass", of_all) == 1.5
     assert metric("total_imbalance_mass", {}) == 1.0
     scene = load_scene(example("planar")).replaced(mechanism=planar)
-    asked = {"tables": scene.tables, "named": {"envelope_diameter": (0.0, 0.0)}, "runs": False}
+    asked = {"tables": scene.tables, "steady_demands": {"envelope_diameter": (0.0, 0.0)}, "runs": False}
     metrics = metrics_of_designs(asked, None)
     found = metrics({"fidelity": "rigid", "mechanism.eccentricity": 0.06})
     assert found["envelope_diameter"] == (pytest.approx(0.44), "m")
@@ -401,7 +404,7 @@ def test_envelope_mass_and_room_of_a_planar_mechanism():
 def test_driven_mass_is_rigid_with_the_hub_of_a_design():
     shaft = load_scene(example("reference")).replaced(mechanism={"driven_inertia": 0.3})
     run = SimpleNamespace(run=lambda scene: SimpleNamespace(quantities={"scene": Quantity(scene, "")}))
-    metrics = metrics_of_designs({"tables": shaft.tables, "named": {}, "runs": True}, run)
+    metrics = metrics_of_designs({"tables": shaft.tables, "steady_demands": {}, "runs": True}, run)
     for level, inertia in (("averaged", 0.5), ("elastic", 0.2)):
         scene = metrics({"fidelity": level, "mechanism.output_inertia": 0.2})["scene"].value
         assert scene.parameters()["output_inertia"] == pytest.approx(inertia)
@@ -409,5 +412,7 @@ def test_driven_mass_is_rigid_with_the_hub_of_a_design():
 
 def test_a_design_with_a_deprecated_method_can_be_built():
     scene = load_scene(example("reference")).replaced(mechanism={"method": "timestepping"})
-    metrics = metrics_of_designs({"tables": scene.tables, "named": {}, "runs": False}, SimpleNamespace())
+    metrics = metrics_of_designs(
+        {"tables": scene.tables, "steady_demands": {}, "runs": False}, SimpleNamespace()
+    )
     assert metrics({"fidelity": "rigid"}) == {}

@@ -102,9 +102,9 @@ def values_of(keys: list[str] | None) -> dict[str, object]:
     Raises:
         SceneError: A text is not of this form.
     """
-    from ..scene.keys import keys_of_texts
+    from ..scene.keys import keys_from_options
 
-    return keys_of_texts(keys)
+    return keys_from_options(keys)
 
 
 def speed_of(text: str) -> float:

@@ -135,14 +135,14 @@ def sweep(
     Default output folder: out/SCENE_sweep.
     """
     from ..plots.studies import sweep_figure
-    from ..studies.axes import ranges_of_texts
+    from ..studies.axes import ranges_from_options
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_sweep")
     path = figure_path(folder, "plot", file_format)
     with progress_bar(f"sweep of {scene.name}") as progress:
         result = inertia_module.sweep(
             inertia_module.load_scene(scene, values_of(keys)),
-            ranges_of_texts(vary or []),
+            ranges_from_options(vary or []),
             sample=sample,
             sensitivity=sensitivity,
             seed=seed,
@@ -265,7 +265,7 @@ def fit(
 
     Without RANGE the search starts from the value in the scene and has no limits except the physical ones.
     """
-    from ..studies.axes import ranges_of_texts
+    from ..studies.axes import ranges_from_options
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_fit")
     path = figure_path(folder, "fit", file_format)
@@ -273,7 +273,7 @@ def fit(
         result = inertia_module.fit(
             measured,
             inertia_module.load_scene(scene, values_of(keys)),
-            ranges_of_texts(free or []),
+            ranges_from_options(free or []),
             columns=columns or [],
             starts=starts,
             seed=seed,

@@ -86,9 +86,9 @@ MESSAGES: Mapping[int, str] = {
     codes.SINGULAR: (
         "link2_inertia must be above 1e-12 of the maximum inertia at link 2 with"
         f" {with_values('drive_inertia', 'a', 'b', 'eccentricity', 'imbalance_mass')}"
-        " (got {link2_inertia}). The inertia at link 2 vanishes where the unbalanced mass is at rest relative to the carrier (a = b"
-        " or eccentricity = 0). Alternatively set drive_inertia or satellite_inertia above 0, or use"
-        " different values for a and b."
+        " (got {link2_inertia}). The inertia at link 2 vanishes where the unbalanced mass is at rest relative"
+        " to the carrier (a = b or eccentricity = 0). Alternatively set drive_inertia or satellite_inertia"
+        " above 0, or use different values for a and b."
     ),
     codes.BAD_START_HOUSING: "omega2_start must be at least 0 with a housing freewheel (got {omega2_start})",
     codes.BAD_START_OUTPUT: (

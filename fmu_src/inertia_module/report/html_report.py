@@ -36,11 +36,11 @@ from ..plots.panels import TITLE_PAD
 from ..plots.scenes import scene_figure
 from ..plots.studies import NAMED, chart_figure, order_figure
 from ..scene import Scene, SceneResult
-from ..scene.freewheel_loads import DUTY, FREEWHEELS
+from ..scene.freewheel_loads import DUTY_NOTE, FREEWHEELS
 from ..scene.headings import heading
-from ..scene.keys import in_range, keys_of
+from ..scene.keys import by_dotted_key, in_range
 from ..scene.reading import display_units, speed_unit
-from ..scene.run import start_of
+from ..scene.run import initial_values
 from ..scene.summary_metrics import input_speed
 from ..scene.summary_text import WIDTH, SummaryWriter, three_digits
 from ..scene.vehicle_metrics import TIME_TO
@@ -236,7 +236,7 @@ def _checks(result: SceneResult, writer: SummaryWriter, chosen: Sequence[str]) -
         writer: Writer of the summary, for units.
         chosen: Lines about the choice of the fidelity.
     """
-    notes = [f"{heading(name)} {text}" for name, text in result.remarks.items() if name != DUTY]
+    notes = [f"{heading(name)} {text}" for name, text in result.remarks.items() if name != DUTY_NOTE]
     checks = [Check(False, writer.in_display_units(text)) for text in (*result.warnings, *notes)]
     for name, limit in result.limits.items():
         value, unit = result.quantities[name]
@@ -300,7 +300,7 @@ def _input_sections(scene: Any, text: str, keys: Mapping[str, object]) -> dict[s
         Section of the inputs, then a section of the model's parameters for each group.
     """
     sources = {key: ("scene file", source_value) for key, source_value in _flat(tomllib.loads(text))}
-    sources |= {key: ("--set", source_value) for key, source_value in _flat(keys_of(keys))}
+    sources |= {key: ("--set", source_value) for key, source_value in _flat(by_dotted_key(keys))}
 
     def source(key: str, value_text: str, default: str) -> str:
         """Return the source of a value, with the text in the source if it differs from the value."""
@@ -309,7 +309,7 @@ def _input_sections(scene: Any, text: str, keys: Mapping[str, object]) -> dict[s
         return place if _text_of(source_value) == value_text else f"{place}: {_text_of(source_value)}"
 
     is_module = isinstance(scene, Scene)
-    table, values = ("mechanism", start_of(scene)[0]) if is_module else ("shaft", scene.parameters())
+    table, values = ("mechanism", initial_values(scene)[0]) if is_module else ("shaft", scene.parameters())
     unused_groups = {Group.BEVEL if values.get("layout") else Group.PLANAR}
     unused_groups |= {Group.ELASTIC} if is_module and values.get("fidelity") != ELASTIC else set()
     parameter_keys, rows = set[str](), {group: list[Sequence[str]]() for group in ("", *Group)}
@@ -431,8 +431,8 @@ def _energy(result: SceneResult) -> Part:
 def _duty(result: SceneResult) -> Part:
     """Return the section of the freewheel duty: engagement frequencies, maximum torque and slip."""
     _module(result)
-    if DUTY in result.remarks:
-        raise ParameterError(f"it {result.remarks[DUTY]}")
+    if DUTY_NOTE in result.remarks:
+        raise ParameterError(f"it {result.remarks[DUTY_NOTE]}")
     lines = result.lines()
     frequencies = ("engagement frequency mean", "engagement frequency maximum")
     rows = [

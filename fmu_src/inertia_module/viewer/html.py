@@ -23,7 +23,7 @@ from ..interface.models import INERTIA_MODULE, Model
 from ..interface.variables import BOOLEAN, ENUMERATIONS, INPUT, Variable
 from ..kernel import codes
 from ..scene import Scene, SceneResult
-from ..scene.run import start_of
+from ..scene.run import initial_values
 
 TEMPLATE = Path(__file__).parent / "template.html"
 # places in the template for the presets, which `make page` inserts, and for the data
@@ -170,7 +170,7 @@ def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
         scene: Scene with a named fidelity.
         record: Record of a run, or None.
     """
-    parameters, inputs = start_of(scene)
+    parameters, inputs = initial_values(scene)
     if record is not None:
         inputs |= {name: float(f"{record[name].mean():.4g}") for name in PLANT_INPUTS if name in record}
     signals = inputs | scene.prescribed
