@@ -11,6 +11,7 @@ Run: python -m benchmarks.sweep
 import os
 import statistics
 import time
+from typing import Any
 
 from inertia_module import current_fmu, example, load_scene
 from inertia_module.driveline.closed_loop import PLANT_INPUTS
@@ -55,7 +56,7 @@ def measure(task, points, workers):
     return duration / len(rows)
 
 
-def own_time(task, points):
+def single_run_time(task, points):
     """Return the median time of a run in this process, s.
 
     Args:
@@ -63,8 +64,8 @@ def own_time(task, points):
         points: Points of the sweep.
     """
     with SceneRunner(current_fmu()) as runner:
-        figures_of = task.prepare(task.settings, runner)
-        return statistics.median(row.cost for row in evaluate(figures_of, points).rows)
+        metrics_of = task.prepare(task.settings, runner)
+        return statistics.median(row.cost for row in evaluate(metrics_of, points).rows)
 
 
 def time_of_kernel(scene):
@@ -84,7 +85,7 @@ def main():
     """Measure and print the speed of sweeps."""
     print(f"load average {os.getloadavg()[0]:.1f}")
     reference = load_scene(example("reference"))
-    one_step = {
+    one_step: dict[str, Any] = {
         "run": {"communication_step": "1 s", "outputs": ["omega_out"]},
         "accuracy": {"tolerance": 1e-6},
     }
@@ -94,7 +95,7 @@ def main():
     }
     for name, (scene, number) in scenes.items():
         task, points = task_and_points(scene, number)
-        single, kernel = own_time(task, points), time_of_kernel(scene)
+        single, kernel = single_run_time(task, points), time_of_kernel(scene)
         one_worker, two_workers = (measure(task, points, workers) for workers in (1, 2))
         print(
             f"{name}: {1.0 / one_worker:.0f} runs/s with one worker, {1.0 / two_workers:.0f} with two,"
@@ -103,7 +104,7 @@ def main():
         )
     task, points = task_and_points(load_scene(example("engine_launch")), N_LAUNCHES)
     single, shared = (
-        own_time(task, points[:: N_LAUNCHES // N_SINGLE_LAUNCHES]),
+        single_run_time(task, points[:: N_LAUNCHES // N_SINGLE_LAUNCHES]),
         2.0 * measure(task, points, 2),
     )
     print(

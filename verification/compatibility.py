@@ -11,7 +11,7 @@ from fmpy.cross_check.validate_vendor_repo import validate_test_fmu
 
 from inertia_module import __version__
 from inertia_module.common.files import write_atomically
-from inertia_module.fmu.archive import filled
+from inertia_module.fmu.archive import render
 from inertia_module.fmu.builder import FMUS, content_of
 from inertia_module.fmu.linking import Progress
 from inertia_module.fmu.native_fmu import Build
@@ -54,7 +54,7 @@ def write_tree(folder: Path, progress: Progress) -> tuple[list[Path], list[str]]
                 for kind in ("in", "ref")
             },
             f"{name}_ref.opt": OPTIONS.encode(),
-            "readme.txt": filled(
+            "readme.txt": render(
                 README, {"name": name, "fmi": fmi, "fmu": fmu, "experiment": experiment}
             ).encode(),
         }

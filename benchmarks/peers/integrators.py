@@ -23,7 +23,7 @@ from scipy.integrate import odeint, solve_ivp
 from inertia_module.common.errors import InertiaModuleError
 from inertia_module.common.extras import library
 from inertia_module.compiling.c_compiler import link
-from inertia_module.compiling.targets import here
+from inertia_module.compiling.targets import host_target
 from inertia_module.fidelity.timing import median_time
 from inertia_module.kernel.codes import RIGID
 from inertia_module.model import Module
@@ -67,8 +67,8 @@ def equations() -> tuple[Any, Any]:
     """
     source = Path(__file__).with_name("equations.c").read_bytes()
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"equations{here().suffix}"
-        path.write_bytes(link(here(), path.name, {"equations.c": source}))
+        path = Path(folder) / f"equations{host_target().suffix}"
+        path.write_bytes(link(host_target(), path.name, {"equations.c": source}))
         library = ctypes.CDLL(str(path))
     pointers = [ctypes.c_void_p] * 3
     library.rates.argtypes, library.rates.restype = [*pointers, ctypes.c_size_t, ctypes.c_void_p], None
@@ -151,7 +151,7 @@ class Problem:
         if not self.events:
             return
         numbers, (rates, guard) = self.data[0], equations()
-        present, turning = numbers[list(PRESENT)] != 0.0, np.array([y[1] != 0.0, y[2] != y[1]])
+        present, is_moving = numbers[list(PRESENT)] != 0.0, np.array([y[1] != 0.0, y[2] != y[1]])
         for closed in itertools.product((1.0, 0.0), repeat=2):
             # a missing housing freewheel is open, a missing output freewheel is closed
             if any(closed[n] != (n == OUTPUT) for n in (HOUSING, OUTPUT) if not present[n]):
@@ -160,9 +160,9 @@ class Problem:
             _, alpha2, alpha3 = rates(0.0, y, *self.data)
             relative_accelerations = alpha2, alpha3 - alpha2
             if not any(
-                turning[n] or guard(0.0, y, *self.data, n) < 0.0
+                is_moving[n] or guard(0.0, y, *self.data, n) < 0.0
                 if closed[n]
-                else not turning[n] and relative_accelerations[n] < 0.0
+                else not is_moving[n] and relative_accelerations[n] < 0.0
                 for n in np.flatnonzero(present)
             ):
                 return

@@ -14,7 +14,7 @@ from fmpy.fmi2 import FMU2Slave, fmi2CallbackLoggerTYPE, fmi2Discard, fmi2Error,
 from inertia_module.fmi.instance import Fmu
 from inertia_module.fmi.loading import Log, callbacks_of
 from inertia_module.fmu import builder, python_fmu
-from inertia_module.fmu.slave import HEAD_SIZE
+from inertia_module.fmu.slave import HEADER_SIZE
 from inertia_module.model import INVALID_STATE, Module
 from tests.system.programs import process
 
@@ -227,9 +227,9 @@ def test_a_forged_number_of_a_state_is_no_index_and_no_choice(instance):
         instance.step(0.1)
         before, good = instance.all_values(), instance.saved()
         for value in (-1.0, 0.5, 65.0, 1e9, -1e9, 1e300, math.nan, math.inf):
-            memory.restore(good[HEAD_SIZE:])
+            memory.restore(good[HEADER_SIZE:])
             setattr(attrgetter(record)(memory), name, value)
-            forged = good[:HEAD_SIZE] + memory.save()
+            forged = good[:HEADER_SIZE] + memory.save()
             message = instance.refusal(lambda state=forged: instance.restore(state))
             assert "must be saved by this build (it is damaged" in message, f"{name} = {value}"
             assert instance.all_values() == before, f"{name} = {value}"

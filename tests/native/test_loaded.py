@@ -5,7 +5,7 @@ import itertools
 import pytest
 import scenes
 
-from inertia_module.compiling.targets import here
+from inertia_module.compiling.targets import host_target
 from inertia_module.fmu.linking import SHELL_FOLDER, header_folder
 from inertia_module.fmu.native_fmu import SOURCE, library, source_files
 from inertia_module.fmu.tables import generated
@@ -72,10 +72,10 @@ def shipped(tmp_path_factory):
     folder = tmp_path_factory.mktemp("shipped")
 
     def of(identifier):
-        path = folder / f"{identifier}{here().suffix}"
+        path = folder / f"{identifier}{host_target().suffix}"
         if not path.exists():
             fmu = FMUS[identifier]
-            path.write_bytes(library(fmu, fmu.guid(), here(), lambda stage: None))
+            path.write_bytes(library(fmu, fmu.guid(), host_target(), lambda stage: None))
         return path
 
     return of

@@ -102,9 +102,9 @@ def deviations(identifier, opened, text):
     hang = ("_peak", "energy_residual", "rhs_evaluations")
     compared = [not label.endswith(hang) for label in outputs(identifier)]
     for name, settings in SCENES[identifier].items():
-        here = np.array(by_fmpy(opened, identifier, settings))
-        assert len(there[name]) == len(here) == STEPS + 1
-        largest, worst = np.abs(here).max(axis=0), np.abs(here - there[name]).max(axis=0)
+        host_target = np.array(by_fmpy(opened, identifier, settings))
+        assert len(there[name]) == len(host_target) == STEPS + 1
+        largest, worst = np.abs(host_target).max(axis=0), np.abs(host_target - there[name]).max(axis=0)
         found[name] = (worst / np.where(largest > OF_ZERO, largest, 1.0))[compared].max()
     return found
 

@@ -18,7 +18,7 @@ from typer.main import get_command
 from typer.testing import CliRunner
 
 from inertia_module import PUBLIC, __version__
-from inertia_module.cli import app, options, scene_runs, show, studies
+from inertia_module.cli import app, options, print_part, scene_runs, studies
 from inertia_module.common.errors import InertiaModuleError
 from inertia_module.common.examples import examples
 from inertia_module.common.files import MAX_TEXT_SIZE
@@ -414,8 +414,8 @@ def bar():
 
 
 PRINTERS = {
-    "summary": lambda: show((AWKWARD, {AWKWARD: "1"})),
-    "value of a summary": lambda: show(("title", {"heading": AWKWARD})),
+    "summary": lambda: print_part((AWKWARD, {AWKWARD: "1"})),
+    "value of a summary": lambda: print_part(("title", {"heading": AWKWARD})),
     "levels": lambda: levels(AWKWARD, "rigid", "x"),
     "setting": lambda: levels("R1", "peer", AWKWARD),
     "message": lambda: terminal().print(AWKWARD),

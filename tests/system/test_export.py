@@ -54,7 +54,7 @@ class Exported(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def here():
+def host_target():
     """Limit the exports to libraries for this platform."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(systems, "Build", functools.partial(Build, targets=HERE))
@@ -62,7 +62,7 @@ def here():
 
 
 @pytest.fixture(scope="module", params=SYSTEMS)
-def exported(request, here, tmp_path_factory):
+def exported(request, host_target, tmp_path_factory):
     plan = make_plan(request.param, *SYSTEMS[request.param], STEP, STOP)
     folder = tmp_path_factory.mktemp("export")
     export(plan, folder)

@@ -7,7 +7,7 @@ import pytest
 
 from inertia_module.common import files
 from inertia_module.compiling import CompilationError, c_compiler
-from inertia_module.compiling.targets import LINUX64, TARGETS, here
+from inertia_module.compiling.targets import LINUX64, TARGETS, host_target
 from inertia_module.fmu import native_fmu
 from inertia_module.fmu.builder import SHAFT_FMU
 from inertia_module.interface.models import DRIVEN_SHAFT
@@ -110,7 +110,7 @@ def test_another_compiler_makes_the_library_of_this_platform(cache, monkeypatch)
     assert path.parent == cache
     assert ctypes.CDLL(str(path)).inertia_module_kernel
     with pytest.raises(CompilationError, match="gcc compiles only for"):
-        c_compiler.object_file(DRIVEN_SHAFT, next(one for one in TARGETS if one != here()))
+        c_compiler.object_file(DRIVEN_SHAFT, next(one for one in TARGETS if one != host_target()))
 
 
 def test_missing_compiler_is_an_error_with_its_name(cache, monkeypatch):

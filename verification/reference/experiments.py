@@ -18,8 +18,8 @@ from scipy.integrate import solve_ivp
 
 from inertia_module.common.files import PACKAGE_FOLDER
 from inertia_module.export.systems import TEMPLATES as SSP
-from inertia_module.export.systems import typed
-from inertia_module.fmu.archive import filled, filled_xml
+from inertia_module.export.systems import type_and_value
+from inertia_module.fmu.archive import render, render_xml
 from inertia_module.interface.models import DRIVEN_SHAFT, Model
 from inertia_module.interface.variables import INPUT, UNITS
 
@@ -156,10 +156,10 @@ def _parameters(experiment: Experiment, model: Model) -> bytes:
     values = {
         "part": part,
         "origin": {},
-        "typed": typed,
+        "typed": type_and_value,
         "units": {name: UNITS[name] for name in sorted(units)},
     }
-    return filled_xml(SSP / "ParameterSet.ssv", values)
+    return render_xml(SSP / "ParameterSet.ssv", values)
 
 
 def files(model: Model) -> dict[str, bytes]:
@@ -190,7 +190,7 @@ def files(model: Model) -> dict[str, bytes]:
     }
     values |= {"stop": STOP, "step": STEP, "tolerance": ASKED, "share": SHARE}
     for name in ("experiments.exp", "fmi-ls-manifest.xml"):
-        tables[name] = filled_xml(HERE / "templates" / name, values)
-    text = filled(HERE / "templates" / "fmi-ls-ref.txt", values).encode()
+        tables[name] = render_xml(HERE / "templates" / name, values)
+    text = render(HERE / "templates" / "fmi-ls-ref.txt", values).encode()
     named = {f"{CARRIED}/{name}": content for name, content in tables.items()}
     return named | {"documentation/fmi-ls-ref.txt": text}

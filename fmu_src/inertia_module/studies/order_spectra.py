@@ -47,14 +47,15 @@ def spectra(
         table: Record of the signals and input_speed, r rows.
         revolutions: Revolutions up to each row, increasing, shape (r,).
         names: Names of the signals.
-        of: Reference angle of turned, LINK1 or DRIVE.
+        of: Reference angle of revolutions, LINK1 or DRIVE.
         highest: Maximum order; None for the maximum that the rows resolve.
         turns: Revolutions in a window; None for a quarter of all revolutions, between MIN_TURNS and TURNS.
             Windows overlap by half.
         drive: Revolutions of the pinion shaft up to each row, for lines that shift with it.
 
     Raises:
-        ParameterError: turned does not increase or is too short for a window, or the rows are too far apart.
+        ParameterError: revolutions do not increase or are too few for a window, or the rows are too
+            far apart.
     """
     steps, all_turns = np.diff(revolutions), float(revolutions[-1] - revolutions[0])
     constant_rows = np.flatnonzero(steps <= 0.0)

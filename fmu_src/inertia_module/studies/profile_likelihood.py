@@ -1,9 +1,9 @@
 """Profile likelihood: the interval of a free key by re-fits of the other free keys.
 
-The profile of a key is the minimum of chi-squared over all other free keys. The interval ends where it exceeds its
-minimum by the squared quantile of Student's t: Bates and Watts, Nonlinear Regression Analysis and Its
-Applications (1988), section 6.1. A profile that stays below this limit up to the end of the range shows that
-the key is not identifiable: Raue et al., Bioinformatics 25 (2009) 1923.
+The profile of a key is the minimum of chi-squared over all other free keys. The interval ends where it
+exceeds its minimum by the squared quantile of Student's t: Bates and Watts, Nonlinear Regression Analysis
+and Its Applications (1988), section 6.1. A profile that stays below this limit up to the end of the range
+shows that the key is not identifiable: Raue et al., Bioinformatics 25 (2009) 1923.
 """
 
 from __future__ import annotations
