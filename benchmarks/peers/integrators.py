@@ -123,7 +123,7 @@ class Problem:
         if not (stiffness is None or all(present)):
             raise UnavailableError("viscous clutches require both freewheels (got a case without one)")
         self.machine, self.case, self.events = Machine(p), case, stiffness is None
-        if self.machine.rubs or any(p[name] for name in LOSSES):
+        if self.machine.has_dry_friction or any(p[name] for name in LOSSES):
             raise UnavailableError(f"peers do not support losses: {', '.join(LOSSES)} and friction must be 0")
         inertias = p["link2_inertia"], p["output_inertia"]
         constants = case.omega1, case.load_torque, self.machine.k, *inertias, stiffness or 0.0
@@ -139,7 +139,7 @@ class Problem:
         Args:
             phase: Phase, rad.
         """
-        rate = self.machine.work.highest * self.machine.k * abs(self.case.omega1)
+        rate = self.machine.work.max_order * self.machine.k * abs(self.case.omega1)
         return float(phase / rate) if self.events and rate > 0.0 else math.inf
 
     def choose(self, y: Array) -> None:

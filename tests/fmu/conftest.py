@@ -156,7 +156,7 @@ class Instance:
             direction,
         )
 
-    def refusal(self, action, expected=fmi2Error):
+    def rejection(self, action, expected=fmi2Error):
         """Return the message of a rejected action with an error or another expected status."""
         status = None
         self.log.warnings.clear()

@@ -230,7 +230,7 @@ def test_a_forged_number_of_a_state_is_no_index_and_no_choice(instance):
             memory.restore(good[HEADER_SIZE:])
             setattr(attrgetter(record)(memory), name, value)
             forged = good[:HEADER_SIZE] + memory.save()
-            message = instance.refusal(lambda state=forged: instance.restore(state))
+            message = instance.rejection(lambda state=forged: instance.restore(state))
             assert "must be saved by this build (it is damaged" in message, f"{name} = {value}"
             assert instance.all_values() == before, f"{name} = {value}"
         assert not instance.is_discarded(0.1), name
@@ -243,7 +243,7 @@ def test_forged_or_early_state_is_rejected_without_effect(instances):
         (fresh.saved(), 0, 2, "must be saved after the start"),  # a forged flag: initialised
     ):
         changed = bytes([*state[:byte], value, *state[byte + 1 :]])
-        assert running.refusal(partial(running.restore, changed)).endswith(words)
+        assert running.rejection(partial(running.restore, changed)).endswith(words)
         assert not running.is_discarded(0.1)
 
 
@@ -301,7 +301,7 @@ def test_a_state_of_another_instance_is_an_error(instances):
     state = second.fmu.getFMUstate()
     words = "a state must be saved by this instance and not yet freed"
     uses = (first.fmu.setFMUstate, first.fmu.serializeFMUstate, first.fmu.freeFMUstate)
-    assert [first.refusal(partial(use, state)) for use in uses] == 3 * [words]
+    assert [first.rejection(partial(use, state)) for use in uses] == 3 * [words]
     second.fmu.setFMUstate(state)
 
 

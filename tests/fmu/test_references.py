@@ -26,7 +26,7 @@ from inertia_module.fmi.simulate import simulate_fmu
 from inertia_module.fmu.native_fmu import METADATA
 from inertia_module.interface.models import MODELS
 from verification import compatibility
-from verification.reference.experiments import CARRIED, files, package_folder
+from verification.reference.experiments import LS_REF_FOLDER, files, package_folder
 
 FLAVOURS = ("InertiaModule", "InertiaModule3", "DrivenShaft3")
 
@@ -37,7 +37,7 @@ def changed(path, folder, case):
     with zipfile.ZipFile(path) as old, zipfile.ZipFile(copy, "w") as new:
         for name in old.namelist():
             content = old.read(name)
-            if CARRIED in name:
+            if LS_REF_FOLDER in name:
                 for pattern, text in case.get("changes", {}).items():
                     content = re.sub(pattern.encode(), text.encode(), content)
             if case.get("gone", "nothing") not in name:
@@ -53,7 +53,7 @@ def test_results_of_an_fmu_agree_with_its_references(fmu_path):
 
 
 def test_files_of_manifest_and_metadata_exist(unpacked):
-    for file in (unpacked / CARRIED / "fmi-ls-manifest.xml", unpacked / METADATA):
+    for file in (unpacked / LS_REF_FOLDER / "fmi-ls-manifest.xml", unpacked / METADATA):
         named = etree.parse(file).xpath("//@source | //@*[local-name() = 'href']")
         beside = [name for name in named if "://" not in name]
         assert len(beside) >= 2

@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from refused import REFUSED
+from rejected import REJECTED
 from rich.console import Console
 from typer.main import get_command
 from typer.testing import CliRunner
@@ -243,7 +243,7 @@ def test_options_reach_the_study_and_errors_are_a_line(name, tmp_path, monkeypat
 # --- errors (test_scene.py tests the sentences about scenes) ---
 
 
-@pytest.mark.parametrize("arguments, words", REFUSED["options"])
+@pytest.mark.parametrize("arguments, words", REJECTED["options"])
 def test_invalid_request_is_an_error_in_a_line_before_the_build(tmp_path, monkeypatch, arguments, words):
     monkeypatch.setattr(builder, "current_fmu", lambda *_: pytest.fail("an FMU was built"))
     name, *options = arguments

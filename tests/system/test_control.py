@@ -8,7 +8,7 @@ import pytest
 import speed_control
 from averaged_module import averaged_response, averaged_system, operating_point, transient_inertia
 from frequency_response import measured_response
-from refused import REFUSED, assert_refused
+from rejected import REJECTED, assert_rejected
 from scenes import ELASTIC
 
 from examples.coupling.study import URBAN_MODULE
@@ -114,7 +114,7 @@ def test_result_depends_only_on_state_and_input(built, name, parameters, state):
         # Calls in between: another state, a read, a rejected step, another instance and a copy.
         plant.system.dynamics(0.0, plant.start, [120.0, 0.0])
         plant.system.output(0.0, plant.start, u)
-        assert_refused("omega1", plant.system.dynamics, 0.0, x, [np.nan, 0.0])
+        assert_rejected("omega1", plant.system.dynamics, 0.0, x, [np.nan, 0.0])
         assert (other.system.dynamics(5.0, x, u) == first).all()
         assert (plant.system.dynamics(7.0, x, u) == first).all()
         assert (plant.system.copy(name="copy").dynamics(0.0, x, u) == first).all()
@@ -144,7 +144,7 @@ def test_rejected_input_is_reported_with_the_time_of_its_step(fmu, state, place,
     start = {"omega1": 100.0, "load_torque": 10.0}
     with control.fmu_system(fmu, step=0.01, start=start, outputs="omega_out", state=state) as plant:
         respond = partial(ct.input_output_response, plant.system, 0.01 * np.arange(200), inputs, plant.start)
-        assert_refused(f"^at time 1 s: {name} must be between .* .got 1e\\+30.$", respond)
+        assert_rejected(f"^at time 1 s: {name} must be between .* .got 1e\\+30.$", respond)
 
 
 def test_averaged_fmu_has_operating_point_and_linearisation_of_the_averaged_system(fmu):
@@ -233,8 +233,8 @@ def measured(path, **change):
 @pytest.mark.parametrize(
     "make, arguments, message",
     [
-        *((control.fmu_system, *case) for case in REFUSED["systems"]),
-        *((measured, *case) for case in REFUSED["responses"]),
+        *((control.fmu_system, *case) for case in REJECTED["systems"]),
+        *((measured, *case) for case in REJECTED["responses"]),
     ],
 )
 def test_invalid_arguments_are_errors_with_a_remedy(fmu, make, arguments, message):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 
 from inertia_module import studies
 from inertia_module.common.errors import InertiaModuleError
@@ -432,7 +432,7 @@ def test_invalid_fit_is_an_error_in_a_sentence(fmu, tmp_path):
         (MEASURED, idle, {}, r"no free parameter .*shaft_damping.* has an influence on omega2, omega_out"),
         (MEASURED, FREE, {"starts": -1}, "starts must be at least 0 .got -1"),
     ):
-        assert_refused(words, studies.fit, measured, SCENE, free, **options, output=tmp_path, fmu=fmu)
+        assert_rejected(words, studies.fit, measured, SCENE, free, **options, output=tmp_path, fmu=fmu)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 
 from inertia_module import __version__
 from inertia_module.common.examples import example, examples
@@ -84,7 +84,7 @@ def test_all_scenes_programs_and_the_notebook_are_examples():
     copied = [path for path in files if path.name not in parts and path.parent.name != "coupling"]
     assert sorted(copied) == sorted(examples().values())
     assert example("planar.py").suffix == ".py"
-    assert_refused(r"^unknown example 'plenary'; did you mean 'planar'\?$", example, "plenary")
+    assert_rejected(r"^unknown example 'plenary'; did you mean 'planar'\?$", example, "plenary")
 
 
 def test_keys_are_set_as_in_a_scene_file_on_the_command_line_too(fmu, tmp_path):
@@ -102,7 +102,7 @@ def test_keys_are_set_as_in_a_scene_file_on_the_command_line_too(fmu, tmp_path):
             r"planar.toml: unknown key 'mechanism.imbalance_mas'; did you mean ",
         ),
     ):
-        assert_refused(sentence, load_scene, example("planar"), [given])
+        assert_rejected(sentence, load_scene, example("planar"), [given])
     options = ("--set", "run.stop_time=20 ms", "--set", "drive.omega1=60 rad/s", "--fmu", fmu, "--json")
     summary = json.loads(left("run", example("planar"), *options, "-o", tmp_path))["summary"]
     assert summary["simulated_time"] == pytest.approx(0.02)

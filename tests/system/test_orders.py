@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from refused import REFUSED, assert_refused, refusal
+from rejected import REJECTED, assert_rejected, rejection
 from scipy.io import loadmat
 
 from inertia_module import example, studies
@@ -277,7 +277,7 @@ def test_aliases_are_below_the_smallest_listed_line(fmu):
 def test_too_long_step_of_a_signal_is_rejected_with_a_sufficient_step(fmu):
     scene = load_scene(example("engine_launch")).replaced(run={"stop_time": 4.0})
     words = r"= ([\d.]+) ms or less .got 0.01 s.: the scene computes drive_torque once per communication step"
-    step = float(re.search(words, refusal(studies.orders, scene, fmu, signals=["drive_torque"]))[1])
+    step = float(re.search(words, rejection(studies.orders, scene, fmu, signals=["drive_torque"]))[1])
     shorter = scene.replaced(run={"communication_step": 4.0 / math.ceil(4e3 / step)})
     assert studies.orders(shorter, fmu, signals=["drive_torque"]).step <= 1.001e-3 * step
 
@@ -362,23 +362,23 @@ RAMP = {"kind": "ramp", "omega1": None, "initial": 0.0, "final": 50.0, "duration
 
 
 @pytest.mark.parametrize(
-    "drive, options, words", [*REFUSED["orders"], (RAMP, {"begin": 0.0}, "decreasing at 0 s")]
+    "drive, options, words", [*REJECTED["orders"], (RAMP, {"begin": 0.0}, "decreasing at 0 s")]
 )
 def test_invalid_orders_are_rejected_in_a_sentence(fmu, drive, options, words):
     scene = held(1.0, input_inertia=0.1).replaced(drive=drive)
-    assert_refused(words, studies.orders, scene, fmu, **options)
+    assert_rejected(words, studies.orders, scene, fmu, **options)
 
 
 def test_run_without_oscillation_or_pulses_is_rejected(fmu, monkeypatch):
     monkeypatch.setattr(order_run, "SIGNALS", ("omega1", "input_speed"))
-    assert_refused("all signals are constant: omega1, input_speed", studies.orders, held(stop=1.0), fmu)
+    assert_rejected("all signals are constant: omega1, input_speed", studies.orders, held(stop=1.0), fmu)
     with pytest.raises(
         InertiaModuleError, match=r"must be kinematic, rigid or elastic for orders \(got averaged\)"
     ):
         studies.orders(held(fidelity="averaged"), fmu)
     locked = load_scene(example("planar")).replaced(run={"stop_time": 3.0})
     words = r"must be increasing .got constant or decreasing at .* s.; choose another time range"
-    assert_refused(words, studies.orders, locked, fmu, of="drive_angle", signals=["omega2"])
+    assert_rejected(words, studies.orders, locked, fmu, of="drive_angle", signals=["omega2"])
 
 
 def test_command_writes_spectrum_waterfall_summary_and_plot(fmu, tmp_path):

@@ -502,9 +502,9 @@ BAD = {
 def test_bad_value_gives_the_sentence_of_the_native_fmu(still, built):
     for case, values in BAD.items():
         run_options = options(values)
-        with pytest.raises(FmuError) as refused:
+        with pytest.raises(FmuError) as rejected:
             native(built, run_options)
-        assert still.simulate(run_options) == str(refused.value), case
+        assert still.simulate(run_options) == str(rejected.value), case
 
 
 # Run up to speed, then let the load jump.

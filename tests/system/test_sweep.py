@@ -12,7 +12,7 @@ from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 
 from inertia_module import studies
 from inertia_module.common.errors import InertiaModuleError, SceneError
@@ -274,12 +274,12 @@ def test_failed_task_on_a_worker_is_an_error_in_a_line(fmu, cluster):
 def test_invalid_fmu_is_named_by_the_worker(scene, cluster, tmp_path):
     (tmp_path / "x.fmu").write_text("no FMU")
     sweep = partial(studies.sweep, scene, VARY, output=tmp_path / "out", fmu=tmp_path / "x.fmu")
-    assert_refused("cannot read .*Module.fmu: not a zip archive", sweep, scheduler=cluster.address)
+    assert_rejected("cannot read .*Module.fmu: not a zip archive", sweep, scheduler=cluster.address)
 
 
 @pytest.mark.parametrize("number", [0, -1])
 def test_number_of_workers_must_be_positive(scene, fmu, tmp_path, number):
-    assert_refused(
+    assert_rejected(
         f"workers must be at least 1 .got {number}.$",
         partial(studies.sweep, scene, VARY, output=tmp_path, fmu=fmu, workers=number),
     )

@@ -3,7 +3,7 @@
 import itertools
 
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 from scenes import PLANAR, advanced, started
 
 from inertia_module.kernel import step
@@ -61,7 +61,7 @@ def test_step_without_energy_balance_is_repeated_and_then_rejected(spoil, values
     # The following steps have the requested tolerance.
     assert advanced(module, 0.1)["rhs_evaluations"] < advanced(careful, 0.1)["rhs_evaluations"]
     spoil(2)
-    assert_refused("the energy balance check failed with tolerance = 1e-06", module.advance, 0.01)
+    assert_rejected("the energy balance check failed with tolerance = 1e-06", module.advance, 0.01)
 
 
 @pytest.mark.parametrize("values", [{"fidelity": 0}, {"fidelity": 1}], ids=str)

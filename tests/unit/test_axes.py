@@ -4,7 +4,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from refused import REFUSED, assert_refused
+from rejected import REJECTED, assert_rejected
 
 from inertia_module.common.errors import InertiaModuleError, ParameterError
 from inertia_module.common.examples import example
@@ -92,8 +92,8 @@ def test_indices_of_a_weighted_sum_are_the_shares_of_its_squares(scene, weights,
 
 def test_a_grid_needs_numbers_of_points_and_a_sample_a_kind(scene):
     axes = axes_of(ranges_from_options(["imbalance_mass=1:2"]), scene)
-    assert_refused("imbalance_mass must be FROM:TO:COUNT for a grid .got 1:2 kg.$", grid, axes)
-    assert_refused("must be latin:COUNT or sobol:COUNT", sample_shares, 1, "random:10", 0)
+    assert_rejected("imbalance_mass must be FROM:TO:COUNT for a grid .got 1:2 kg.$", grid, axes)
+    assert_rejected("must be latin:COUNT or sobol:COUNT", sample_shares, 1, "random:10", 0)
     with pytest.raises(InertiaModuleError, match=r"points of a grid must be at most 10000000 \(got "):
         grid(axes_of(ranges_from_options(["imbalance_mass=1:2:9999", "drive.omega1=1:2:9999"]), scene))
 
@@ -104,7 +104,7 @@ def test_a_sweep_is_drawn_over_each_key_or_as_a_map_of_two(scene, number, panels
         ranges_from_options(["layout=bevel,planar", "load.mass=log:1:100:3", "z17=30:32:3"][:number]), scene
     )
     rows = [Row(point, {"one": float(n), "two": -1.0 * n}, 0.0) for n, point in enumerate(grid(axes))]
-    rows[1] = Row(rows[1].point, {}, 0.0, "refused")
+    rows[1] = Row(rows[1].point, {}, 0.0, "rejected")
     found = SweepResult(axes, rows, {"one": "N", "load.mass": "kg"}, 0, {}, [], {})
     figure = sweep_figure(found, ["one", "two"])
     figure.canvas.draw()
@@ -167,10 +167,10 @@ def test_limits_of_the_table_hold_without_a_range_and_a_value_outside_begins_in_
 
 @pytest.mark.parametrize(
     "read, keys, words",
-    [(axes_of, *one) for one in REFUSED["varied"]] + [(free_keys, *one) for one in REFUSED["free"]],
+    [(axes_of, *one) for one in REJECTED["varied"]] + [(free_keys, *one) for one in REJECTED["free"]],
 )
 def test_keys_that_cannot_vary_are_an_error_in_a_sentence(scene, read, keys, words):
-    assert_refused(words, lambda: read(ranges_from_options(keys.split(", ") if keys else []), scene))
+    assert_rejected(words, lambda: read(ranges_from_options(keys.split(", ") if keys else []), scene))
 
 
 # --- columns ---
@@ -201,16 +201,18 @@ def test_unused_columns_can_have_any_content(scene, tmp_path):
     assert data.columns == ["omega_out"]
     assert {*data.unused} == {"note", "temperature", "valve"}
     file.write_text("# rig 3\ntime,omega_out,omega2\n0.1,1,1\n\n0.2,,2\n")
-    assert_refused(
+    assert_rejected(
         r"measured\.csv line 5: omega_out must be a finite number \(got ''\)$", measurement, file, scene
     )
     assert measurement(file, scene, ["omega2"]).columns == ["omega2"]
-    assert_refused("unknown output of the scene 'omega3'; did you mean", measurement, file, scene, ["omega3"])
+    assert_rejected(
+        "unknown output of the scene 'omega3'; did you mean", measurement, file, scene, ["omega3"]
+    )
     file.write_text("# rig 3\ntime,omega_out,omega_out_noise\n0.1,1,1\n0.2,1,0\n")
-    assert_refused(r"csv line 4: omega_out_noise must be above 0 .got 0.$", measurement, file, scene)
+    assert_rejected(r"csv line 4: omega_out_noise must be above 0 .got 0.$", measurement, file, scene)
     file.write_text("time,omega_out\n1700000000,1\n1700000001,1\n")
     words = r"time must be within the run .*got 1700000000 to 1700000001 s\): they look like seconds"
-    assert_refused(words, measurement, file, scene)
+    assert_rejected(words, measurement, file, scene)
 
 
 def test_a_mean_counts_from_the_second_row_and_columns_are_chosen(scene):
@@ -220,6 +222,6 @@ def test_a_mean_counts_from_the_second_row_and_columns_are_chosen(scene):
     assert data.counted.tolist() == [[False], [True], [True]]
 
 
-@pytest.mark.parametrize("columns, words", REFUSED["columns"])
+@pytest.mark.parametrize("columns, words", REJECTED["columns"])
 def test_invalid_columns_are_an_error_in_a_sentence(scene, columns, words):
-    assert_refused(words, measurement, table(**columns), scene)
+    assert_rejected(words, measurement, table(**columns), scene)

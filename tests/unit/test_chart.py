@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 from scenes import MECHANISMS, started
 from scipy.io import loadmat
 
@@ -112,7 +112,7 @@ def test_mechanism_accepts_names_and_units():
     numbers = compute_chart({"layout": 1, "sun_radius": 0.06, "imbalance_mass": 0.8})
     assert np.array_equal(named.output_torque, numbers.output_torque)
     for bad in ({"layout": "flat"}, {"sun_radius": "60 kg"}, {"sun_radius": None}, {"satellites": [3]}):
-        assert_refused(f"^{next(iter(bad))} must be .* \\(got ", compute_chart, bad)
+        assert_rejected(f"^{next(iter(bad))} must be .* \\(got ", compute_chart, bad)
 
 
 @pytest.mark.parametrize("name, told", [("housing_freewheel", "0 and 1"), ("output_freewheel", "1 and 0")])
@@ -210,7 +210,7 @@ def test_mechanism_without_torque_is_rejected():
     chart = compute_chart({})
     none = {name: 0.0 * values for name, values in vars(chart).items() if values is not None}
     words = "a converter table requires torque; the mechanism transmits none at 100 rad/s"
-    assert_refused(words, converter_table, SteadyMachine({}), TorqueConverterChart(**none), 100.0)
+    assert_rejected(words, converter_table, SteadyMachine({}), TorqueConverterChart(**none), 100.0)
 
 
 # --- steady pulses: closed forms with friction (test_averaged_map.py tests them without losses) ---

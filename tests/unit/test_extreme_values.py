@@ -6,7 +6,7 @@ import pytest
 from geometry import direct_sums, ratio
 from hypothesis import given
 from hypothesis import strategies as st
-from refused import assert_refused
+from rejected import assert_rejected
 from scenes import DRIVEN, FREEWHEELS, TABLE, advanced, parameters, started
 
 from inertia_module.kernel import engine
@@ -109,7 +109,7 @@ def test_work_of_a_step_is_bounded_and_an_abandoned_step_has_no_effect(monkeypat
     assert engine.MAX_EVALUATIONS == 5e7
     monkeypatch.setattr(engine, "MAX_EVALUATIONS", 1e4)
     module = advanced(started("plain", fidelity=fidelity, omega1=1e5, load_torque=1e7), 1e-3)
-    assert_refused("rejected: it requires more than 5e7 right-hand-side evaluations", module.advance, 1e6)
+    assert_rejected("rejected: it requires more than 5e7 right-hand-side evaluations", module.advance, 1e6)
     before = module["rhs_evaluations"]
     advanced(module, 1e-3)
     twin = advanced(started("plain", fidelity=fidelity, omega1=1e5, load_torque=1e7), 1e-3, 1e-3)

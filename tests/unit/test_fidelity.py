@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 
 from inertia_module.common import files
 from inertia_module.common.examples import example
@@ -53,11 +53,11 @@ def test_fidelity_of_a_scene_can_be_replaced():
     auto = rigid.with_fidelity("auto", 0.05)
     assert auto.chooses_fidelity
     assert auto.accuracy.error == 0.05
-    assert_refused(r"mechanism\.fidelity must be .* .got 'ideal'.", rigid.with_fidelity, "ideal")
+    assert_rejected(r"mechanism\.fidelity must be .* .got 'ideal'.", rigid.with_fidelity, "ideal")
 
 
 def test_scene_with_fidelity_auto_cannot_run(tmp_path):
-    assert_refused("must be a named level .got 'auto'.*Choose one", run_scene, SCENE, tmp_path / "none.fmu")
+    assert_rejected("must be a named level .got 'auto'.*Choose one", run_scene, SCENE, tmp_path / "none.fmu")
 
 
 # --- the levels of fidelity ---
@@ -272,7 +272,7 @@ def test_choice_prints_reasons_and_the_cost_of_the_next_level():
     ],
 )
 def test_unreachable_error_is_rejected_with_the_best_level(rows, error, outputs, words):
-    assert_refused(words, recommend, rows, error, outputs.split())
+    assert_rejected(words, recommend, rows, error, outputs.split())
 
 
 # --- on a terminal ---

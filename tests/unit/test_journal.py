@@ -4,7 +4,7 @@ import csv
 import math
 
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 
 from inertia_module.studies.evaluation import Batch, Evaluator, Row, Task, write_tables
 
@@ -36,7 +36,7 @@ def test_stored_rows_are_exact_and_a_truncated_row_is_missing(tmp_path):
 
 def test_results_of_another_task_are_not_mixed_in(tmp_path):
     evaluator(tmp_path)
-    assert_refused("another scene", evaluator, tmp_path, "other")
+    assert_rejected("another scene", evaluator, tmp_path, "other")
 
 
 def test_tables_have_units_and_omit_missing_columns(tmp_path):

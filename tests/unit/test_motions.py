@@ -4,7 +4,7 @@ import math
 
 import pytest
 import scenes
-from refused import assert_refused
+from rejected import assert_rejected
 from scenes import ACCOUNTS, LEVELS, MEANS, MOTION, advanced, motions, passed, started
 
 from inertia_module.kernel import codes
@@ -130,7 +130,7 @@ def test_invalid_state_is_rejected_without_effect(compiled):
         "zeros": bytes(len(saved)),
     }
     for name, state in damaged.items():
-        assert_refused("the state must be saved by this build", module.restore, state)
+        assert_rejected("the state must be saved by this build", module.restore, state)
         assert module.save() == saved, name
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from refused import REFUSED, assert_refused
+from rejected import REJECTED, assert_rejected
 
 from inertia_module.plots.scenes import scene_figure
 from inertia_module.scene import load_any_scene, load_scene, run_scene, run_shaft_scene
@@ -86,13 +86,13 @@ def test_hub_by_table_with_a_load(built):
     assert result.summary["energy_residual_relative"] < 1e-12
 
 
-@pytest.mark.parametrize("key, value, line", REFUSED["shaft_scenes"])
+@pytest.mark.parametrize("key, value, line", REJECTED["shaft_scenes"])
 def test_error_is_a_line(key, value, line):
-    assert_refused(f"^{SHAFT.name}: {line}", load_any_scene, SHAFT, {key: value})
+    assert_rejected(f"^{SHAFT.name}: {line}", load_any_scene, SHAFT, {key: value})
 
 
 def test_shaft_scene_is_not_a_module_scene():
-    assert_refused(r"unknown key 'shaft'; available: title, ", load_scene, SHAFT)
+    assert_rejected(r"unknown key 'shaft'; available: title, ", load_scene, SHAFT)
     message = "error: --fidelity, --error and --view require a scene of the module"
     is_one_line(command("run", SHAFT, "--fidelity", "rigid"), message)
 

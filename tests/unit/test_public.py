@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 
 import inertia_module
 from inertia_module import PUBLIC, Result
@@ -119,7 +119,7 @@ def test_result_plots_the_requested_columns():
     figure = table().plot("omega")
     assert [axis.get_ylabel() for axis in figure.axes] == ["rad/s"]
     assert len(table().plot().axes) == 2
-    assert_refused(r"^unknown column 'alpha'; available: time, omega, M$", table().plot, "alpha")
+    assert_rejected(r"^unknown column 'alpha'; available: time, omega, M$", table().plot, "alpha")
 
 
 def test_result_of_a_scene_is_a_table_too(tmp_path):
@@ -148,8 +148,8 @@ def test_missing_number_of_a_summary_is_reported():
 def test_unknown_name_suggests_similar_names_only(name, ask):
     try:
         said = str(ask(name))
-    except InertiaModuleError as refusal:
-        said = str(refusal)
+    except InertiaModuleError as rejection:
+        said = str(rejection)
     assert "did you mean" in said or (name in ("xyz", "") and "and 114 more" in said)
     assert len(said) < 400
 

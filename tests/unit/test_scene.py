@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 
 from inertia_module.common.errors import SceneError
 from inertia_module.common.units import number_of, parse_unit
@@ -201,10 +201,10 @@ BASES |= {
     "still": changed(changed(CLOSED, VEHICLE, 'kind = "torque"\ntorque = 1'), '"36 km/h"', "3"),
 }
 # Scenes with a change or an addition, and the words of the error.
-REFUSED = Path(__file__).with_name("refused_scenes.txt").read_text(encoding="utf-8")
+REJECTED = Path(__file__).with_name("rejected_scenes.txt").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("change, words", re.findall(r"(.+)\n    (.+)\n", REFUSED))
+@pytest.mark.parametrize("change, words", re.findall(r"(.+)\n    (.+)\n", REJECTED))
 def test_error_line_names_key_value_and_range(change, words):
     base, old, new = re.fullmatch(r"(\w+)(?:: (.*) =>| \+) ?(.*)", change.replace("\\n", "\n"), re.S).groups()
     text = changed(BASES[base], old, new) if old else BASES[base].replace("[run]", f"{new}\n[run]") or new
@@ -217,14 +217,14 @@ def test_error_line_names_key_value_and_range(change, words):
 
 def test_bad_scene_file_is_named(tmp_path):
     file = tmp_path / "scene.toml"
-    assert_refused(r"^cannot read .*scene.toml: no such file or directory$", load_scene, file)
+    assert_rejected(r"^cannot read .*scene.toml: no such file or directory$", load_scene, file)
     file.write_text(OPEN + "[mechanism]\nz2 = 0")
     allowed = r"must be a whole number between 1 and 1000 \(got 0\)"
-    assert_refused(f"^scene.toml: mechanism.z2 {allowed}$", load_scene, file)
+    assert_rejected(f"^scene.toml: mechanism.z2 {allowed}$", load_scene, file)
 
 
 @pytest.mark.parametrize("name", ["housing_stiffness", "freewheel_stiffness"])
 def test_compliant_freewheels_are_not_exported_as_rigid(name):
     scene = read(OPEN + f'[mechanism]\nfidelity = "elastic"\n{name} = 6000')
-    assert_refused(rf"^mechanism.{name} must be 0 for an export \(got 6000\)\. ", scene_plan, scene)
+    assert_rejected(rf"^mechanism.{name} must be 0 for an export \(got 6000\)\. ", scene_plan, scene)
     assert scene_plan(read(OPEN + f"[mechanism]\n{name} = 6000")).part("module").values[name] == 6000.0

@@ -5,7 +5,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from refused import REFUSED, assert_refused
+from rejected import REJECTED, assert_rejected
 
 from inertia_module.analysis.converter_chart import compute_chart
 from inertia_module.common.examples import example
@@ -50,18 +50,18 @@ def test_a_specification_is_a_scene_with_free_keys_figures_and_a_search(read):
     assert (spec.search.check, spec.search.population) == ("rigid", 40)
 
 
-@pytest.mark.parametrize("old, new, sentence", REFUSED["specifications"])
+@pytest.mark.parametrize("old, new, sentence", REJECTED["specifications"])
 def test_invalid_specification_is_rejected_in_a_sentence(old, new, sentence, read):
     text = SPEC.replace(old, new)
     assert text != SPEC
-    assert_refused(sentence, read, text)
+    assert_rejected(sentence, read, text)
 
 
 def test_at_most_three_figures_have_a_goal(read):
     more = "".join(
         f'torque_{name} = {{ speed = 9, ratio = 0, goal = "least" }}\n' for name in ("ripple", "peak")
     )
-    assert_refused(r"1 to 3 \(got 4\)", read, SPEC.replace("[search]", f"{more}[search]"))
+    assert_rejected(r"1 to 3 \(got 4\)", read, SPEC.replace("[search]", f"{more}[search]"))
 
 
 def row(torque, speed, mass):
@@ -82,8 +82,8 @@ def test_designs_are_judged_in_the_units_of_their_figures(read):
     assert not judge.meets(short)
     assert judge.total_violation(short) == pytest.approx(0.25 + 0.2)
     assert judge.tightest(short) == "stall_torque 15 N.m (limit: at least 20 N.m)"
-    refused = Row({"mass": 1.0}, {}, 0.0, "no")
-    assert judge.violations(refused) == [1.0, 1.0, 1.0, 1.0]
+    rejected = Row({"mass": 1.0}, {}, 0.0, "no")
+    assert judge.violations(rejected) == [1.0, 1.0, 1.0, 1.0]
     assert judge.violations(row(22.0, None, 1.0)) == pytest.approx([-0.1, 1.0, 1.0, 1.0])
 
 
@@ -124,21 +124,21 @@ def test_keys_of_a_specification_are_set_as_in_its_file(tmp_path):
     assert [limit.bound for limit in limits_of("stall_torque", spec.metrics["stall_torque"], "N.m")] == [30.0]
     assert {axis.name: axis.high for axis in spec.axes}["mechanism.satellites"] == 3.0
     words = r"spec.toml: unknown key 'search.populatoin'; did you mean 'population'\?$"
-    assert_refused(words, read_spec, path, ["search.populatoin=8"])
+    assert_rejected(words, read_spec, path, ["search.populatoin=8"])
 
 
 def test_unreached_speed_is_reported():
-    slow, fast, refused = (
+    slow, fast, rejected = (
         Row({}, {}, 0.0),
         Row({}, {"time_to_25_kmh": 3.0}, 0.0),
         Row({}, {}, 0.0, "too heavy"),
     )
     limit = Limit("time_to_25_kmh", "s", 9.0, 1.0)
     assert limit.text(slow) == "time_to_25_kmh not reached (limit: at most 9 s)"
-    assert limit.text(refused) == "time_to_25_kmh not available (limit: at most 9 s)"
+    assert limit.text(rejected) == "time_to_25_kmh not available (limit: at most 9 s)"
     scene = load_scene(example("engine_launch")).replaced(load={"times_to": ["25 km/h"]})
-    assert unreached(scene, [slow, slow, fast, refused]) == {"time_to_25_kmh": 2}
-    assert unreached(scene, [fast, refused]) == {}
+    assert unreached(scene, [slow, slow, fast, rejected]) == {"time_to_25_kmh": 2}
+    assert unreached(scene, [fast, rejected]) == {}
 
 
 # --- doubts about designs that meet the limits ---
@@ -250,10 +250,10 @@ def test_verdict_contains_doubts_and_the_end_of_the_search(read, tmp_path):
     assert "no improvement in the last 8 generations" in verdict([short], [], False, {}).verdict()
     assert "search.longest = 600 s ended the search" in verdict([short], [], True, {}).verdict()
     # A rejected design is never the nearest design, even if all others are far from the limits.
-    distant, refused = row(1.0, 500.0, 1.0), Row({"mass": 9.0}, {}, 0.0, "too heavy")
+    distant, rejected = row(1.0, 500.0, 1.0), Row({"mass": 9.0}, {}, 0.0, "too heavy")
     judge = Judge(spec, UNITS)
-    assert judge.total_violation(distant) > judge.total_violation(refused)
-    none = DesignResult(judge, [refused, distant], [], [], 2, {}, Searched([], [], False)).verdict()
+    assert judge.total_violation(distant) > judge.total_violation(rejected)
+    none = DesignResult(judge, [rejected, distant], [], [], 2, {}, Searched([], [], False)).verdict()
     assert none.endswith("closest design: omega_out_final 500 rad/s (limit: at most 50 rad/s)")
 
 
@@ -398,7 +398,7 @@ def test_envelope_mass_and_room_of_a_planar_mechanism():
     found = metrics({"fidelity": "rigid", "mechanism.eccentricity": 0.06})
     assert found["envelope_diameter"] == (pytest.approx(0.44), "m")
     for name, value in (("eccentricity", 0.061), ("satellites", 9.0)):
-        assert_refused(name, metrics, {"fidelity": "rigid", f"mechanism.{name}": value})
+        assert_rejected(name, metrics, {"fidelity": "rigid", f"mechanism.{name}": value})
 
 
 def test_driven_mass_is_rigid_with_the_hub_of_a_design():

@@ -4,7 +4,7 @@ import math
 import time
 
 import pytest
-from refused import refusal
+from rejected import rejection
 from scenes import advanced, motions, started
 
 from inertia_module.kernel.inputs import MIN_STEP
@@ -25,7 +25,7 @@ def quick():
 def rejected_at_once(call, *arguments):
     """Return the message of a rejected call."""
     begin = time.process_time()
-    sentence = refusal(call, *arguments)
+    sentence = rejection(call, *arguments)
     assert time.process_time() - begin < AT_ONCE
     return sentence
 

@@ -8,7 +8,7 @@ from inertia_module.common.errors import InertiaModuleError
 from inertia_module.model import ModelInstance
 
 # Rows of values and words of the message, by kind of error.
-REFUSED = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+REJECTED = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 
 
 def sentence(variable, value):
@@ -24,7 +24,7 @@ def records(action):
     return [bytes(part) for part in (owner.parameters, owner.inputs, owner.state, owner.outputs)]
 
 
-def refusal(action, *arguments, **values):
+def rejection(action, *arguments, **values):
     """Return the message of a rejected action, "" if it succeeds. A started model must not change."""
     said, before = "", records(action)
     try:
@@ -36,7 +36,7 @@ def refusal(action, *arguments, **values):
     return said
 
 
-def assert_refused(words, action, *arguments, **values):
+def assert_rejected(words, action, *arguments, **values):
     """Check that an action fails with a line that matches a regular expression."""
-    said = refusal(action, *arguments, **values)
+    said = rejection(action, *arguments, **values)
     assert re.search(words, said), said
