@@ -31,17 +31,17 @@ def test_invalid_state_is_rejected_and_the_run_continues(fmu):
 
 
 def test_state_of_another_instance_is_rejected_and_an_unused_state_is_freed(fmu, fmu_path):
-    kept, forgotten = fmu.get_state(), fmu.get_state()
-    state = forgotten.state
-    assert state.value
-    del forgotten
-    assert not state.value
+    saved, unused = fmu.get_state(), fmu.get_state()
+    pointer = unused.state
+    assert pointer.value
+    del unused
+    assert not pointer.value
     with Fmu(fmu_path, inputs=R1) as other:
-        left = other.get_state()  # The state is freed with the instance.
-        for wrong in (left, None):
-            assert "a state must be from get_state of this instance" in rejection(fmu.set_state, wrong)
+        foreign = other.get_state()  # The state is freed with the instance.
+        for invalid in (foreign, None):
+            assert "a state must be from get_state of this instance" in rejection(fmu.set_state, invalid)
     fmu.advance(0.01)
-    fmu.set_state(kept)
+    fmu.set_state(saved)
     assert fmu.time == pytest.approx(0.01)
     fmu.advance(0.01)
 
@@ -147,10 +147,10 @@ def test_columns_in_other_units_run_as_in_si(fmu_path, tmp_path):
             ".", ","
         )
     )
-    found = run(fmu_path, tmp_path / "rig.csv")
-    assert found.units["omega1"] == "rad/s"
+    result = run(fmu_path, tmp_path / "rig.csv")
+    assert result.units["omega1"] == "rad/s"
     for name in expected:
-        assert found[name] == pytest.approx(expected[name], rel=1e-9, abs=1e-9)
+        assert result[name] == pytest.approx(expected[name], rel=1e-9, abs=1e-9)
     again = run(fmu_path, {"omega1": "955 rpm", "load_torque": 4.0})
     assert again["omega1"][0] == pytest.approx(955.0 * np.pi / 30.0)
 

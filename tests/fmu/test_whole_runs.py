@@ -109,17 +109,17 @@ def test_unknown_names_and_closed_instances_are_rejected(fmu_path):
 
 @pytest.mark.parametrize("missing", [{"steps": 1, "lengths": None}, {"input_count": 1}, {"output_count": 1}])
 def test_null_pointers_are_rejected(fmu_path, missing):
-    asked = Run(np.ones(1), 0, np.empty((1, 0)), 0, np.empty((2, 0)))
+    request = Run(np.ones(1), 0, np.empty((1, 0)), 0, np.empty((2, 0)))
     for name, value in missing.items():
-        setattr(asked, name, value)
+        setattr(request, name, value)
     with Fmu(fmu_path, inputs=R1) as fmu:
         call = getattr(fmu._instance, instance.RUN)
-        for pointer in (byref(asked), None):
+        for pointer in (byref(request), None):
             with pytest.raises(FMICallException):
                 call(fmu._instance.component, pointer)
             assert "requires arrays that are not NULL" in fmu.messages.pop()
         with pytest.raises(FMICallException):
-            call(None, byref(asked))
+            call(None, byref(request))
         fmu.advance(0.01)
 
 

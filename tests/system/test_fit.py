@@ -15,7 +15,7 @@ from inertia_module.fmi.results import Result, read_columns, write_columns
 from inertia_module.scene import load_scene, run_scene
 from inertia_module.studies.candidates import TIE
 from inertia_module.studies.measurement import Rig, measurement
-from tests.system.programs import command, is_one_line, left
+from tests.system.programs import assert_one_line_error, command, stdout_of
 
 pytest.importorskip("tomli_w")
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -439,10 +439,10 @@ def test_invalid_fit_is_an_error_in_a_sentence(fmu, tmp_path):
 def test_command_writes_scene_residuals_summary_and_plot(fmu, tmp_path):
     words = ["fit", MEASURED, SCENE, "--fmu", fmu, "-o", tmp_path]
     free = ["--free", "imbalance_mass=0.5:2", "--starts", "1", "--column", "omega_out"]
-    summary = json.loads(left(*words, *free, "--json"))
+    summary = json.loads(stdout_of(*words, *free, "--json"))
     assert list(summary["noise"]) == ["omega_out"]
     assert json.loads((tmp_path / "fit.json").read_text())["parameters"] == summary["parameters"]
     assert (tmp_path / "fit.png").read_bytes().startswith(b"\x89PNG")
     mass = summary["parameters"]["mechanism.imbalance_mass"]
     assert mass["value"] == load_scene(tmp_path / "fitted.toml").parameters()["imbalance_mass"]
-    is_one_line(command(*words), "error: at least one key must be free")
+    assert_one_line_error(command(*words), "error: at least one key must be free")

@@ -23,7 +23,7 @@ from inertia_module.scene.reading import speed_unit
 from inertia_module.studies.order_analysis import HARMONICS
 from inertia_module.studies.order_lines import MIN_SHARE
 from inertia_module.studies.order_spectra import spectra
-from tests.system.programs import left
+from tests.system.programs import stdout_of
 
 order_run = sys.modules["inertia_module.studies.order_analysis"]
 OMEGA1 = 100.0
@@ -385,10 +385,10 @@ def test_command_writes_spectrum_waterfall_summary_and_plot(fmu, tmp_path):
     scene = example("planar")
     words = ["--signal", "input_torque", "--turns", "4", "--highest", "20", "--from"]
     options = [*words, "0 s", "--fmu", fmu, "-o", tmp_path]
-    said = left("orders", scene, *options, "--to", "600 ms")
+    printed = stdout_of("orders", scene, *options, "--to", "600 ms")
     result = studies.orders(scene, fmu, signals=["input_torque"], end=0.6, turns=4.0, highest=20.0)
     first = result.largest()["input_torque"][0]
-    assert f"order {first.order:.4g}" in said
+    assert f"order {first.order:.4g}" in printed
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary == json.loads(json.dumps(result.as_dict()))
     assert summary["signals"]["input_torque"]["largest"][0]["amplitude"] == first.amplitude
@@ -398,9 +398,11 @@ def test_command_writes_spectrum_waterfall_summary_and_plot(fmu, tmp_path):
     rows, _ = read_columns(tmp_path / "waterfall.csv")
     assert sorted(set(rows["time"])) == result.time.tolist()
     assert (tmp_path / "orders.png").read_bytes().startswith(b"\x89PNG")
-    printed = json.loads(left("orders", scene, *options, "--to", "600 ms", "--json"))
+    printed = json.loads(stdout_of("orders", scene, *options, "--to", "600 ms", "--json"))
     assert printed["signals"] == summary["signals"]
-    more = left("orders", scene, *options, "--to", "600 ms", "--mat", "--hz", "--signal", "shaking_force_x")
+    more = stdout_of(
+        "orders", scene, *options, "--to", "600 ms", "--mat", "--hz", "--signal", "shaking_force_x"
+    )
     assert "0 N, constant" in more
     assert "orders.mat" in more
     assert (tmp_path / "orders.mat").exists()

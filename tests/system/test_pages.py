@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 def test_a_page_of_figures_is_stale_once_a_figure_or_a_word_has_changed(monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "docs")
     same_figures = runpy.run_path(str(ROOT / "docs" / "make_pages.py"))["same_figures"]
-    for shown, now, same in (
+    for old_page, new_page, same in (
         ("off by 0.55 (12 %)", "off by 0.55 (12 %)", True),
         ("off by 0.55 (12 %)", "off by 0.56 (12 %)", True),
         ("off by 0.55 (12 %)", "off by 0.57 (12 %)", False),
@@ -26,7 +26,7 @@ def test_a_page_of_figures_is_stale_once_a_figure_or_a_word_has_changed(monkeypa
         ("| yes | rounding |", "| no | 0.2 |", False),
         ("**holds**", "**holds partly**", False),
     ):
-        assert same_figures(shown, now) == same, (shown, now)
+        assert same_figures(old_page, new_page) == same, (old_page, new_page)
 
 
 def test_links_of_the_readme_lead_somewhere():
@@ -125,10 +125,10 @@ def test_program_of_the_page_runs_the_module(number, built, tmp_path):
         start_values={"output_inertia": 0.4},
         output=["omega_out"],
     )
-    (found,) = printed(PROGRAMS[number], tmp_path)
+    (result,) = printed(PROGRAMS[number], tmp_path)
     # Steps that stop at switches integrate differently.
     within = 1e-7 if "use_event_mode" in PROGRAMS[number] else 1e-9
-    assert found == pytest.approx(expected["omega_out"][-1], rel=within)
+    assert result == pytest.approx(expected["omega_out"][-1], rel=within)
 
 
 def printed_words(notebook):
@@ -150,10 +150,10 @@ def test_tutorial_shows_pictures_and_tables(built, tmp_path):
     ).execute()
     assert printed_words(notebook) == stored, "the outputs are out of date: run python docs/make_tutorial.py"
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", ())]
-    shown = [output["data"] for output in outputs if "data" in output]
-    assert sum("image/png" in data for data in shown) >= 5
-    assert "<table>" in shown[0]["text/html"]
-    assert "omega_out [rad/s]" in shown[1]["text/html"]
+    cell_data = [output["data"] for output in outputs if "data" in output]
+    assert sum("image/png" in data for data in cell_data) >= 5
+    assert "<table>" in cell_data[0]["text/html"]
+    assert "omega_out [rad/s]" in cell_data[1]["text/html"]
     # The tutorial launches the car and estimates the values of the rig.
     text = "".join(output.get("text", "") for output in outputs)
     light, heavy = (float(speed) for speed in re.findall(r"kg: ([\d.]+) rad/s", text))

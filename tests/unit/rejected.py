@@ -26,17 +26,17 @@ def records(action):
 
 def rejection(action, *arguments, **values):
     """Return the message of a rejected action, "" if it succeeds. A started model must not change."""
-    said, before = "", records(action)
+    message, before = "", records(action)
     try:
         action(*arguments, **values)
     except InertiaModuleError as error:
-        said = str(error)
-        assert records(action) == before, f"{said}: something has changed"
-    assert "\n" not in said
-    return said
+        message = str(error)
+        assert records(action) == before, f"{message}: something has changed"
+    assert "\n" not in message
+    return message
 
 
-def assert_rejected(words, action, *arguments, **values):
+def assert_rejected(pattern, action, *arguments, **values):
     """Check that an action fails with a line that matches a regular expression."""
-    said = rejection(action, *arguments, **values)
-    assert re.search(words, said), said
+    message = rejection(action, *arguments, **values)
+    assert re.search(pattern, message), message

@@ -192,9 +192,11 @@ def test_a_car_is_launched_as_its_satellites_weigh(density, reached, built):
     tables["mechanism"] = {**kept, **POINTS, "satellite_inertia": disc(density)}
     tables["load"]["final_drive"] = 4.017
     tables["run"] = {"stop_time": 25.0, "communication_step": 0.02}
-    found = run_scene(validated(Scene, tables).with_fidelity("elastic"), built / "InertiaModule.fmu").summary
-    assert found.get("time_to_50_kmh") == (reached and pytest.approx(reached, abs=0.05))
-    assert (found["vehicle_speed_maximum"] < 37.0) is (reached is None)
+    summary = run_scene(
+        validated(Scene, tables).with_fidelity("elastic"), built / "InertiaModule.fmu"
+    ).summary
+    assert summary.get("time_to_50_kmh") == (reached and pytest.approx(reached, abs=0.05))
+    assert (summary["vehicle_speed_maximum"] < 37.0) is (reached is None)
 
 
 def test_input_torque_pulses_follow_from_the_reduced_inertia():
@@ -224,9 +226,9 @@ def test_resting_load_and_missing_freewheel_are_reported():
     assert resting["load does not move"].startswith("0.0")
     shaft = load_scene(example("reference")).replaced(mechanism={"output_freewheel": 0.0})
     assert "load does not move" not in caveats_of(shaft, {"omega_out_maximum": 90.0}, 250.0)
-    found = caveats_of(shaft, {"omega_out_maximum": 0.0}, 250.0)
-    assert found["load does not move"] == "0 revolutions in the run"
-    assert "without both freewheels there is no mean torque" in found["no mean torque"]
+    caveats = caveats_of(shaft, {"omega_out_maximum": 0.0}, 250.0)
+    assert caveats["load does not move"] == "0 revolutions in the run"
+    assert "without both freewheels there is no mean torque" in caveats["no mean torque"]
     # A scene without a run has no doubts.
     assert "load does not move" not in caveats_of(shaft, {}, 250.0)
 
@@ -239,9 +241,9 @@ def test_verdict_contains_doubts_and_the_end_of_the_search(read, tmp_path):
         judge = Judge(spec, UNITS)
         return DesignResult(judge, [good, short], front, finalists, 2, {}, Searched([good, short], [], cut))
 
-    found = verdict([good, good], [good], False, {"no lock-up": "none above 0.3"})
-    assert found.verdict().endswith("; caveats: no lock-up in 2 of them")
-    assert found.lines(found.finalists[0])["caveat: no lock-up"] == "none above 0.3"
+    result = verdict([good, good], [good], False, {"no lock-up": "none above 0.3"})
+    assert result.verdict().endswith("; caveats: no lock-up in 2 of them")
+    assert result.lines(result.finalists[0])["caveat: no lock-up"] == "none above 0.3"
     assert "caveat" not in verdict([good], [good], False, {}).verdict()
     lost = verdict([short], [good], False, {}).verdict()
     assert lost.startswith(
@@ -341,9 +343,9 @@ def test_drive_below_the_speed_of_the_figures_is_a_caveat():
     scene = load_scene(example("engine_launch"))
     torque = scene.drive_torque_limit(200.0)
     assert torque == pytest.approx(35.6, abs=0.5)
-    found = caveats_of(scene, {}, 200.0)["drive too weak"]
+    caveat = caveats_of(scene, {}, 200.0)["drive too weak"]
     chart = compute_chart(scene.parameters(), 200.0)
-    assert f"requires up to {(chart.input_torque * 4e4).max():.4g} N.m at 200 rad/s" in found
+    assert f"requires up to {(chart.input_torque * 4e4).max():.4g} N.m at 200 rad/s" in caveat
     strong = scene.replaced(drive={"full_load": {"speed": [0.0, 300.0], "torque": [2000.0, 2000.0]}})
     assert "drive too weak" not in caveats_of(strong, {}, 200.0)
     assert load_scene(example("planar")).drive_torque_limit(200.0) is None
@@ -353,8 +355,10 @@ def test_slipping_wheels_are_a_caveat():
     scene = load_scene(example("engine_launch")).replaced(load={"friction_coefficient": 0.5})
     grip = 0.5 * 900.0 * 9.80665
     assert scene.load.grip == pytest.approx(grip)
-    found = caveats_of(scene, {"tractive_force_maximum": 1.01 * grip}, 200.0)
-    assert found["wheels slip"] == f"the tractive force reaches {1.01 * grip:.4g} N, the grip is {grip:.4g} N"
+    caveats = caveats_of(scene, {"tractive_force_maximum": 1.01 * grip}, 200.0)
+    assert (
+        caveats["wheels slip"] == f"the tractive force reaches {1.01 * grip:.4g} N, the grip is {grip:.4g} N"
+    )
     assert "wheels slip" not in caveats_of(scene, {"tractive_force_maximum": 0.99 * grip}, 200.0)
 
 
