@@ -431,7 +431,7 @@ def test_brackets_and_colons_are_printed_unchanged(name, capsys, monkeypatch):
 
 
 @pytest.mark.parametrize("name", get_command(app).commands)
-def test_help_of_a_command_has_every_letter(name):
+def test_help_of_a_command_is_not_cut(name):
     command = get_command(app).commands[name]
     help_text = " ".join(CliRunner().invoke(app, [name, "-h"], terminal_width=1000).stdout.split())
     shown_options = [parameter for parameter in command.params if not getattr(parameter, "hidden", False)]

@@ -363,7 +363,7 @@ def test_wrong_radius_is_named_or_tied(fmu, rig, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", range(10))
-def test_fits_are_correct_or_report_doubts(fmu, tmp_path, number):
+def test_fits_are_correct_or_report_a_caveat(fmu, tmp_path, number):
     from benchmarks import fit as benchmark
 
     verdicts = benchmark.run(benchmark.KINDS[number], 20, tmp_path, fmu)

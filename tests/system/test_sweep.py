@@ -460,7 +460,7 @@ def test_stalled_search_restarts(spec, fmu, cluster, tmp_path):
         assert bool(result.chosen) == (starts == 50)
 
 
-def test_unknown_figure_is_rejected(spec, fmu, cluster, tmp_path):
+def test_unknown_metric_is_rejected(spec, fmu, cluster, tmp_path):
     wrong = spec.with_name("wrong.toml")
     wrong.write_text(SPEC.replace("omega_out_final", "omega_out_last"))
     with pytest.raises(

@@ -46,7 +46,7 @@ def audited(tolerance, **energies):
 @pytest.mark.parametrize("name", AFTER)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("tolerance, share", [(1e-3, 0.1), (1e-6, 1e-3), (1e-12, 1e-6)])
-def test_missing_may_be_a_thousand_tolerances_of_the_energies(name, sign, tolerance, share):
+def test_energy_defect_may_be_a_thousand_tolerances_of_the_energies(name, sign, tolerance, share):
     for part, expected in ((0.0, OK), (0.8, OK), (1.25, NOT_BALANCED)):
         spoiled = {name: AFTER[name] + sign * part * share * ENERGIES}
         assert audited(tolerance, **spoiled) == expected

@@ -47,7 +47,7 @@ FAR_OFF = [
 
 
 @pytest.mark.parametrize("values", FAR_OFF, ids=str)
-def test_engine_load_tolerance_and_step_may_be_far_off(driven, values):
+def test_extreme_load_tolerance_and_step_are_simulated(driven, values):
     for freewheels in FREEWHEELS.values():
         module = audited(started("auto", driven, freewheels, values), *(1e-9,) * 10, 1e-6, 1e-4, 1e-3)
         assert module["input_speed"] != 0.0

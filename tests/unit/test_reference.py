@@ -128,7 +128,7 @@ def test_changing_loads(compiled, scene):
 
 
 @pytest.mark.parametrize("more", [PLAY, PLAY | ALL_LOSSES], ids=["ideal", "losses"])
-def test_jumps_of_the_input_speed_meet_freewheels_within_their_play(compiled, scene, more):
+def test_jumps_of_the_input_speed_meet_freewheels_within_their_engagement_angle(compiled, scene, more):
     module, exact = started(compiled, scene, more, tolerance=1e-12), reference(scene | more)
     for n, omega1 in enumerate((90.0, 150.0, 20.0, -80.0, -10.0, 70.0), 1):
         exact.set_speed(omega1)

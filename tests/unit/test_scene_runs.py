@@ -292,7 +292,7 @@ def test_the_tractive_force_accelerates_the_vehicle_and_overcomes_its_resistance
 
 
 @pytest.mark.parametrize("friction, slips", [(2.0, False), (0.15, True)])
-def test_a_launch_beyond_the_grip_has_a_remark_and_a_warning(fmu, friction, slips):
+def test_a_launch_beyond_the_grip_has_a_note_and_a_warning(fmu, friction, slips):
     keys = {"friction_coefficient": friction, "driven_axle_load": "4 kN"}
     launch = load_scene(EXAMPLES / "engine_launch.toml").replaced(load=keys, run={"stop_time": 2.0})
     result = run_scene(launch, fmu)

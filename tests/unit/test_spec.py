@@ -37,7 +37,7 @@ def read(tmp_path):
     return read
 
 
-def test_a_specification_is_a_scene_with_free_keys_figures_and_a_search(read):
+def test_a_specification_is_a_scene_with_free_keys_metrics_and_a_search(read):
     spec = read(SPEC)
     assert [axis.name for axis in spec.axes] == ["mechanism.imbalance_mass", "mechanism.satellites"]
     assert spec.goals == {"omega_out_final": "greatest", "total_imbalance_mass": "least"}
@@ -57,7 +57,7 @@ def test_invalid_specification_is_rejected_in_a_sentence(old, new, sentence, rea
     assert_rejected(sentence, read, text)
 
 
-def test_at_most_three_figures_have_a_goal(read):
+def test_at_most_three_metrics_have_a_goal(read):
     more = "".join(
         f'torque_{name} = {{ speed = 9, ratio = 0, goal = "least" }}\n' for name in ("ripple", "peak")
     )
@@ -70,7 +70,7 @@ def row(torque, speed, mass):
     return Row({"mass": mass}, metrics_of_row, 0.0)
 
 
-def test_designs_are_judged_in_the_units_of_their_figures(read):
+def test_designs_are_compared_in_the_units_of_their_metrics(read):
     judge = Judge(read(SPEC), UNITS)
     good = row(22.0, 40.0, 1.0)
     assert judge.meets(good)
@@ -166,7 +166,7 @@ def metric(name, values, ratio=0.0):
 
 
 @pytest.mark.parametrize("density, end", [(0.0, 1.0), (2700.0, 0.54), (7850.0, 0.31)])
-def test_figures_with_satellite_mass_have_a_caveat(density, end):
+def test_metrics_with_satellite_mass_have_a_caveat(density, end):
     values = {**POINTS, "satellite_inertia": disc(density)}
     # The satellite mass does not change the stall torque.
     assert metric("stall_torque", values) == pytest.approx(208.54, abs=0.01)
@@ -233,7 +233,7 @@ def test_resting_load_and_missing_freewheel_are_reported():
     assert "load does not move" not in caveats_of(shaft, {}, 250.0)
 
 
-def test_verdict_contains_doubts_and_the_end_of_the_search(read, tmp_path):
+def test_verdict_contains_caveats_and_the_end_of_the_search(read, tmp_path):
     spec, good, short = read(SPEC), row(22.0, 40.0, 1.0), row(15.0, 60.0, 1.0)
 
     def verdict(checked, front, cut, doubts):
@@ -339,7 +339,7 @@ def test_tightest_limit_can_be_exceeded(read):
 # --- power and grip ---
 
 
-def test_drive_below_the_speed_of_the_figures_is_a_caveat():
+def test_drive_that_is_too_weak_is_a_caveat():
     scene = load_scene(example("engine_launch"))
     torque = scene.drive_torque_limit(200.0)
     assert torque == pytest.approx(35.6, abs=0.5)

@@ -15,7 +15,7 @@ from tests.system.programs import needs, printed, programs
 ROOT = Path(__file__).parents[2]
 
 
-def test_a_page_of_figures_is_stale_once_a_figure_or_a_word_has_changed(monkeypatch):
+def test_a_page_of_results_is_stale_if_a_number_or_a_word_has_changed(monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "docs")
     same_figures = runpy.run_path(str(ROOT / "docs" / "make_pages.py"))["same_figures"]
     for old_page, new_page, same in (
@@ -29,7 +29,7 @@ def test_a_page_of_figures_is_stale_once_a_figure_or_a_word_has_changed(monkeypa
         assert same_figures(old_page, new_page) == same, (old_page, new_page)
 
 
-def test_links_of_the_readme_lead_somewhere():
+def test_links_of_the_readme_exist():
     links = re.findall(r"\]\((?!http)([^)#]+)\)", (ROOT / "README.md").read_text())
     assert len(links) > 5
     assert all((ROOT / link).exists() for link in links)
