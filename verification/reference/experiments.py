@@ -156,7 +156,7 @@ def _parameters(experiment: Experiment, model: Model) -> bytes:
     values = {
         "part": part,
         "origin": {},
-        "typed": type_and_value,
+        "type_and_value": type_and_value,
         "units": {name: UNITS[name] for name in sorted(units)},
     }
     return render_xml(SSP / "ParameterSet.ssv", values)
