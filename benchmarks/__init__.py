@@ -1,1 +1,1 @@
-"""Benchmarks: what the docs say of speed, measured (`make bench`)."""
+"""Benchmarks: measurements of the speeds in the documentation (`make bench`)."""

@@ -43,7 +43,7 @@ def kernel_times(scene, record):
     Returns:
         List of (case, "time", kernel time in us per simulated second, "us").
     """
-    figures, h = [], scene.run.communication_step
+    rows, h = [], scene.run.communication_step
     inputs = np.column_stack([record["omega1"], record["load_torque"], 0.0 * record["omega1"]])[1:]
     for step, number in ((h, 1), (1.0, round(1.0 / h))):
         values = inputs[: len(inputs) // number * number].reshape(-1, number, 3).mean(axis=1)
@@ -51,12 +51,12 @@ def kernel_times(scene, record):
             parameters = {**scene.parameters(), "fidelity": fidelity, "tolerance": scene.accuracy.tolerance}
             module = Module("compiled").start(omega1=values[0, 0], load_torque=values[0, 1], **parameters)
             time = kernel_time(module, module.save(), values, step)
-            figures.append((f"{name}, steps of {step:g} s", "time", 1e6 * time / (step * len(values)), "us"))
-    return figures
+            rows.append((f"{name}, steps of {step:g} s", "time", 1e6 * time / (step * len(values)), "us"))
+    return rows
 
 
-def figures_of_scene():
-    """Measure kernel times, and the difference of mean output speeds.
+def measure_scene():
+    """Measure kernel times of the urban scene, and the difference of mean output speeds.
 
     The difference is the maximum over means of one second, relative to the maximum omega1.
     """
@@ -94,9 +94,9 @@ def mean_speeds(parameters):
     return input_turn / (END - BEGIN), sum(output) / len(output)
 
 
-def figures_by_torque():
+def measure_torque_drive():
     """Measure errors of mean speeds for several inertias of link 1; rigid: means over start angles."""
-    figures = []
+    rows = []
     for layout, mechanism in LAYOUTS.items():
         max_inertia = interface_inertia(mechanism).maximum
         for ratio in INERTIA_RATIOS:
@@ -109,6 +109,6 @@ def figures_by_torque():
             rigid = np.mean(starts, axis=0)
             for name, exact, actual in zip(("omega1", "omega_out"), rigid, averaged, strict=True):
                 case = f"{layout}, J1 / Phi = {ratio:g}"
-                figures.append((case, f"{name}, rigid", exact, "rad/s"))
-                figures.append((case, f"{name}, error of averaged", 100.0 * (actual / exact - 1.0), "%"))
-    return figures
+                rows.append((case, f"{name}, rigid", exact, "rad/s"))
+                rows.append((case, f"{name}, error of averaged", 100.0 * (actual / exact - 1.0), "%"))
+    return rows

@@ -8,6 +8,7 @@ identifiable, or if it names the cause. Run: python -m benchmarks.fit [SETS [KIN
 import functools
 import sys
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
@@ -68,7 +69,7 @@ class DataSet(NamedTuple):
     columns: dict[str, np.ndarray]
     causes: frozenset[str] = frozenset()
     free: object = FREE
-    changes: MappingProxyType = MappingProxyType({})
+    changes: Mapping[str, object] = MappingProxyType({})
 
 
 def complete_scene(true, seed, _):
@@ -173,23 +174,23 @@ class Verdict(NamedTuple):
     """Verdict on a fit.
 
     Attributes:
-        contained: All intervals contain the true values.
-        unidentifiable: The fit reports that the other keys are not identifiable.
-        named: The fit reports a correct cause.
-        other_named: The fit reports only other causes.
-        contained_if_exact: All intervals that assume an exact model contain the true values.
+        contains_truth: All intervals contain the true values.
+        reports_unidentifiable: The fit reports that the other keys are not identifiable.
+        reports_cause: The fit reports a correct cause.
+        reports_other_cause: The fit reports only other causes.
+        contains_truth_if_exact: All intervals that assume an exact model contain the true values.
     """
 
-    contained: bool
-    unidentifiable: bool
-    named: bool
-    other_named: bool
-    contained_if_exact: bool
+    contains_truth: bool
+    reports_unidentifiable: bool
+    reports_cause: bool
+    reports_other_cause: bool
+    contains_truth_if_exact: bool
 
     @property
     def is_correct(self):
         """Return True if the fit is right or reports that it can be wrong."""
-        return self.contained or self.unidentifiable or self.named
+        return self.contains_truth or self.reports_unidentifiable or self.reports_cause
 
 
 def verdict(kind, true, seed, folder, fmu):
@@ -220,12 +221,12 @@ def verdict(kind, true, seed, folder, fmu):
         ok or "not identifiable" in result[name].doubt for name, ok in zip(data.free, inside, strict=True)
     )
     names = {cause.name for cause in result.causes}
-    named = bool(names & data.causes)
+    reports_cause = bool(names & data.causes)
     return Verdict(
         all(inside),
         is_unidentifiable and not all(inside),
-        named,
-        bool(names) and not named,
+        reports_cause,
+        bool(names) and not reports_cause,
         all(contains("interval_if_exact")),
     )
 
@@ -258,11 +259,13 @@ def main(sets=N_SETS, kinds=()):
             if kinds and kind.__name__ not in kinds:
                 continue
             verdicts = run(kind, sets, Path(folder), fmu)
-            contained, unidentifiable, named, other, exact = np.sum(verdicts, axis=0).tolist()
+            contains_truth, reports_unidentifiable, reports_cause, other, exact = np.sum(
+                verdicts, axis=0
+            ).tolist()
             wrong = [seed for seed, result in enumerate(verdicts) if not result.is_correct]
             print(
-                f"{kind.__name__} | {sets} | {sets - len(wrong)} | {contained} | {unidentifiable} | {named} |"
-                f" {other} | {exact}  wrong: {wrong}",
+                f"{kind.__name__} | {sets} | {sets - len(wrong)} | {contains_truth} |"
+                f" {reports_unidentifiable} | {reports_cause} | {other} | {exact}  wrong: {wrong}",
                 flush=True,
             )
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-from benchmarks.figures import R1, in_turns
+from benchmarks.results_table import R1, alternating_results
 from inertia_module.compiling.tools import ZIG
 from inertia_module.fmu.linking import header_folder
 
@@ -72,13 +72,13 @@ def unpacked(path):
     return Library(library, description.guid, references, folder, identifier)
 
 
-def empty_fmu(workshop):
+def empty_fmu(folder):
     """Compile the empty FMU and return it as a Library.
 
     Args:
-        workshop: Folder to write into.
+        folder: Folder to write into.
     """
-    folder = workshop / "empty"
+    folder = folder / "empty"
     (folder / "binaries" / "linux64").mkdir(parents=True)
     library = folder / "binaries" / "linux64" / "empty.so"
     compile_c(HERE / "empty.c", library, str(HERE / "empty_rest.c"), "-shared", "-fPIC")
@@ -136,7 +136,7 @@ def c_loop(loop, module, shaft, empty):
     calls["DrivenShaft"] = partial(measure, shaft, SHAFT, ("omega_out", "shaft_torque_mean"))
     return {
         name: (statistics.median(step for step, _ in runs), min(slowest for _, slowest in runs) / 1e3)
-        for name, runs in in_turns(calls, ROUNDS).items()
+        for name, runs in alternating_results(calls, ROUNDS).items()
     }
 
 
@@ -150,7 +150,7 @@ def through_fmpy(cases, quantity):
     Returns:
         List of (case, quantity, time in us, "us").
     """
-    runs = in_turns({name: partial(fmpy_loop, *case) for name, case in cases.items()}, ROUNDS)
+    runs = alternating_results({name: partial(fmpy_loop, *case) for name, case in cases.items()}, ROUNDS)
     return [(name, quantity, statistics.median(times), "us") for name, times in runs.items()]
 
 
@@ -185,20 +185,20 @@ def fmpy_loop(library, values, outputs, steps=20000):
     return cost
 
 
-def figures(workshop, module_path, shaft_path):
+def measure_steps(folder, module_path, shaft_path):
     """Measure steps of 1 ms with two inputs and two outputs, in a C host and through fmpy.
 
     Args:
-        workshop: Folder to write into.
+        folder: Folder to write into.
         module_path: FMU of the module.
         shaft_path: FMU of the driven shaft.
 
     Returns:
         List of (case, quantity, value, unit).
     """
-    loop = workshop / "loop"
+    loop = folder / "loop"
     compile_c(HERE / "loop.c", loop, "-ldl", "-lm")
-    module, shaft, empty = unpacked(module_path), unpacked(shaft_path), empty_fmu(workshop)
+    module, shaft, empty = unpacked(module_path), unpacked(shaft_path), empty_fmu(folder)
     rows = []
     for name, (step, slowest) in c_loop(loop, module, shaft, empty).items():
         rows += [(name, "time of a step", step, "ns"), (name, "worst step", slowest, "us")]

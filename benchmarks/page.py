@@ -1,4 +1,4 @@
-"""Measure scene R1 in the viewer and in the compiled kernel alternately; update the table of figures.
+"""Measure scene R1 in the viewer and in the compiled kernel alternately; update the table of results.
 
 The viewer runs in headless Chromium, and its time includes its whole function simulate. The time of the
 compiled kernel excludes the Python calls. Each round takes the median of many runs.
@@ -13,7 +13,7 @@ from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
-from benchmarks.figures import R1, in_turns, update_table
+from benchmarks.results_table import R1, alternating_results, update_table
 from inertia_module.common.examples import example
 from inertia_module.fidelity.timing import kernel_time
 from inertia_module.model import Module
@@ -46,7 +46,7 @@ def measure(page):
     Returns:
         List of (case, quantity, value, unit).
     """
-    figures, module = [], Module("compiled").start(**R1)
+    rows, module = [], Module("compiled").start(**R1)
     begin = module.save()
     for name, per_second in STEPS.items():
         step, steps = 1.0 / per_second, DURATION * per_second
@@ -56,7 +56,7 @@ def measure(page):
             "page": partial(page.evaluate, MEDIAN, [R1, step, steps, RUNS]),
             "kernel": lambda values=values, step=step: 1e3 * kernel_time(module, begin, values, step, RUNS),
         }
-        times = in_turns(calls, ROUNDS)
+        times = alternating_results(calls, ROUNDS)
         medians = {way: statistics.median(samples) / DURATION for way, samples in times.items()}
         ratio = statistics.median(
             viewer_time / kernel_time_of_round
@@ -66,8 +66,8 @@ def measure(page):
             f"{name}: page {medians['page']:.3f} ms, compiled kernel {medians['kernel']:.3f} ms,"
             f" ratio {ratio:.2f}"
         )
-        figures += [(name, way, value, "ms") for way, value in medians.items()] + [(name, "ratio", ratio, "")]
-    return figures
+        rows += [(name, way, value, "ms") for way, value in medians.items()] + [(name, "ratio", ratio, "")]
+    return rows
 
 
 def main():

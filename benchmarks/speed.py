@@ -1,4 +1,4 @@
-"""Measure the speed of the module in all its forms and of hand-written C; update the table of figures.
+"""Measure the speed of the module in all its forms and of hand-written C; update the table of results.
 
 The C program (by_hand.c) computes only the motion of scene R1, with a method of lower order. It is compiled
 with -O3 for the same processors as the native FMU, and its results are compared with the kernel before it is
@@ -15,12 +15,13 @@ import tempfile
 import time
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from pythonfmu import FmuBuilder
 from rich.progress import track
 
 from benchmarks import averaged, native
-from benchmarks.figures import R1, TABLE, in_turns, update_table
+from benchmarks.results_table import R1, TABLE, alternating_results, update_table
 from inertia_module.compiling.tools import ZIG
 from inertia_module.fidelity.timing import kernel_time, median_time
 from inertia_module.fmi.instance import Fmu
@@ -167,7 +168,7 @@ def seconds_of_r1(module, python, folder):
     actual = hand_written(1e-12, 1)
     if actual[3] != expected[3] or not abs(actual[0] / expected[0] - 1.0) < 1e-9:
         raise RuntimeError(f"by_hand.c: {actual}; the kernel: {expected}")
-    fast = {
+    fast: dict[str, Any] = {
         f"{form}, {name}": (partial(run, steps=steps), tolerances)
         for name, steps in STEPS.items()
         for form, run, tolerances in (
@@ -175,7 +176,7 @@ def seconds_of_r1(module, python, folder):
             ("hand-written C", hand_written, C_TOLERANCES),
         )
     }
-    slow = {"kernel, plain Python, one step of 1 s": (plain_run, COARSE)}
+    slow: dict[str, Any] = {"kernel, plain Python, one step of 1 s": (plain_run, COARSE)}
     for form, path in (("native FMU in an fmpy loop", module), ("Python FMU in an fmpy loop", python)):
         slow |= {f"{form}, {name}": (partial(fmu_run, path, steps), COARSE) for name, steps in STEPS.items()}
     rows = []
@@ -185,7 +186,7 @@ def seconds_of_r1(module, python, folder):
             errors = ((tolerance, abs(run(tolerance)[0] / expected[0] - 1.0)) for tolerance in tolerances)
             settings[case] = next(pair for pair in errors if pair[1] <= MAX_ERROR)
         calls = {case: partial(run, settings[case][0]) for case, (run, _) in runs.items()}
-        for case, results in in_turns(calls, rounds).items():
+        for case, results in alternating_results(calls, rounds).items():
             seconds, (tolerance, error) = statistics.median(result[2] for result in results), settings[case]
             rows += [(case, "tolerance", tolerance, ""), (case, "error", error, "")]
             rows += [(case, "time", 1e3 * seconds, "ms"), (case, "right-hand sides", results[0][1], "")]
@@ -195,7 +196,7 @@ def seconds_of_r1(module, python, folder):
 # --- FMUs ---
 
 
-def shell(python_fmu, workshop):
+def python_fmu_overhead(python_fmu, workshop):
     """Measure a step and two reads of the Python FMU and of a trivial pythonfmu FMU, alternately.
 
     Args:
@@ -203,7 +204,7 @@ def shell(python_fmu, workshop):
         workshop: Folder to write into.
     """
     trivial = FmuBuilder.build_FMU(HERE / "trivial_slave.py", dest=workshop)
-    cases = {
+    cases: dict[str, Any] = {
         "InertiaModulePy": (native.unpacked(python_fmu), {}, native.OUTPUTS),
         "trivial pythonfmu FMU": (native.unpacked(trivial), {}, ("y", "z")),
     }
@@ -232,12 +233,12 @@ def main():
         module, python, shaft = (workshop / fmu.file_name for fmu in (MODULE_FMU, PYTHON_FMU, SHAFT_FMU))
         parts = {
             "scene R1 at an error of 1e-6": seconds_of_r1(module, python, workshop),
-            "native FMU": native.figures(workshop, module, shaft),
-            "shell of the Python FMU": shell(python, workshop),
+            "native FMU": native.measure_steps(workshop, module, shaft),
+            "shell of the Python FMU": python_fmu_overhead(python, workshop),
             "instantiation": [instantiation(path) for path in (module, python)],
         }
-    parts["urban scene, kernel"] = averaged.figures_of_scene()
-    parts["averaged, driven by torque"] = averaged.figures_by_torque()
+    parts["urban scene, kernel"] = averaged.measure_scene()
+    parts["averaged, driven by torque"] = averaged.measure_torque_drive()
     python_version = float(f"{sys.version_info.major}.{sys.version_info.minor}")
     parts["machine"] = [("all", "cores", os.cpu_count(), ""), ("all", "Python", python_version, "")]
     update_table(parts)

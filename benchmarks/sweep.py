@@ -11,13 +11,14 @@ Run: python -m benchmarks.sweep
 import os
 import statistics
 import time
+from typing import Any
 
 from inertia_module import current_fmu, example, load_scene
 from inertia_module.driveline.closed_loop import PLANT_INPUTS
 from inertia_module.fidelity.timing import kernel_time
 from inertia_module.fmi.simulate import whole_steps
 from inertia_module.model import Module
-from inertia_module.scene.run import SceneRunner, start_of
+from inertia_module.scene.run import SceneRunner, initial_values
 from inertia_module.studies.axes import axes_of, grid
 from inertia_module.studies.evaluation import Task, evaluate, summaries
 from inertia_module.studies.workers import evaluations, pool
@@ -55,7 +56,7 @@ def measure(task, points, workers):
     return duration / len(rows)
 
 
-def own_time(task, points):
+def single_run_time(task, points):
     """Return the median time of a run in this process, s.
 
     Args:
@@ -63,8 +64,8 @@ def own_time(task, points):
         points: Points of the sweep.
     """
     with SceneRunner(current_fmu()) as runner:
-        figures_of = task.prepare(task.settings, runner)
-        return statistics.median(row.cost for row in evaluate(figures_of, points).rows)
+        metrics_of = task.prepare(task.settings, runner)
+        return statistics.median(row.cost for row in evaluate(metrics_of, points).rows)
 
 
 def time_of_kernel(scene):
@@ -73,7 +74,7 @@ def time_of_kernel(scene):
     Args:
         scene: The scene.
     """
-    parameters, inputs = start_of(scene)
+    parameters, inputs = initial_values(scene)
     module, step = Module().start(**parameters, **inputs), scene.run.communication_step
     values = tuple(inputs.get(name, 0.0) for name in PLANT_INPUTS)
     steps = whole_steps(scene.run.stop_time, step)
@@ -84,7 +85,7 @@ def main():
     """Measure and print the speed of sweeps."""
     print(f"load average {os.getloadavg()[0]:.1f}")
     reference = load_scene(example("reference"))
-    one_step = {
+    one_step: dict[str, Any] = {
         "run": {"communication_step": "1 s", "outputs": ["omega_out"]},
         "accuracy": {"tolerance": 1e-6},
     }
@@ -94,7 +95,7 @@ def main():
     }
     for name, (scene, number) in scenes.items():
         task, points = task_and_points(scene, number)
-        single, kernel = own_time(task, points), time_of_kernel(scene)
+        single, kernel = single_run_time(task, points), time_of_kernel(scene)
         one_worker, two_workers = (measure(task, points, workers) for workers in (1, 2))
         print(
             f"{name}: {1.0 / one_worker:.0f} runs/s with one worker, {1.0 / two_workers:.0f} with two,"
@@ -103,7 +104,7 @@ def main():
         )
     task, points = task_and_points(load_scene(example("engine_launch")), N_LAUNCHES)
     single, shared = (
-        own_time(task, points[:: N_LAUNCHES // N_SINGLE_LAUNCHES]),
+        single_run_time(task, points[:: N_LAUNCHES // N_SINGLE_LAUNCHES]),
         2.0 * measure(task, points, 2),
     )
     print(

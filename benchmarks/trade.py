@@ -1,7 +1,7 @@
 """Measure accuracy and run time of all levels and peers; write their tables and a diagram."""
 
-from benchmarks.figures import DOCS
 from benchmarks.peers import PEERS
+from benchmarks.results_table import DOCS
 from benchmarks.trade_off import R1, R1_ELASTIC, converged, measure
 from inertia_module.common.examples import example
 from inertia_module.fidelity.measure import trial_rows

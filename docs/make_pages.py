@@ -41,7 +41,7 @@ def start_page():
     return text.replace("](docs/", "](").replace('src="docs/', 'src="')
 
 
-def filled(name, values):
+def render(name, values):
     """Return a page from its template, filled with values of committed tables."""
     return (HERE / "templates" / name).read_text().format_map(values)
 
@@ -59,8 +59,8 @@ PAGES = {
     "reference/fmu.md": lambda: with_sections("reference/fmu.md"),
     "reference/variables.md": variables_page,
     "verification/coupling.md": coupling_page.page,
-    "verification/performance.md": lambda: filled("performance.md", performance_page.values()),
-    "verification/stability.md": lambda: filled("stability.md", stability_page.values()),
+    "verification/performance.md": lambda: render("performance.md", performance_page.values()),
+    "verification/stability.md": lambda: render("stability.md", stability_page.values()),
     "papers/index.md": papers_page,
 }
 # pages whose numbers depend on the last digits of this machine

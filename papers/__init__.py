@@ -1,1 +1,1 @@
-"""The three source papers: every equation as printed and exact, every claim with what was found."""
+"""The three source papers: every equation as printed and exact, every claim with its verdict."""

@@ -28,16 +28,16 @@ from .lysenko import EXAMPLE as M
 from .lysenko import EXAMPLE_SPEED as W
 from .stelmashchuk import KAPPA2, PHASES, Criteria, law_of_motion, phase_starts, response
 
-BROKEN, DOTTED, CHAIN = (0, (4, 2)), (0, (1, 1)), (0, (8, 3, 2, 3))
+DASHED, DOTTED, CHAIN = (0, (4, 2)), (0, (1, 1)), (0, (8, 3, 2, 3))
 SMALL: dict[str, Any] = {"fontsize": 8, "frameon": False}
 CENTRED: dict[str, Any] = {"fontsize": 11, "ha": "center", "va": "center"}
 COLOURS = (BLUE, GREEN, ORANGE, VERMILION, PURPLE, SKY)
 # line styles by label; other curves use COLOURS in order
 STYLES: Mapping[str, Mapping[str, Any]] = {
     "exact": {"color": BLUE, "linewidth": 2.0},
-    "as printed": {"color": VERMILION, "linewidth": 1.3, "linestyle": BROKEN},
-    "mirrored": {"color": BLACK, "linewidth": 1.0, "linestyle": BROKEN},
-    "sine": {"color": BLACK, "linewidth": 1.0, "linestyle": BROKEN, "zorder": 3},
+    "as printed": {"color": VERMILION, "linewidth": 1.3, "linestyle": DASHED},
+    "mirrored": {"color": BLACK, "linewidth": 1.0, "linestyle": DASHED},
+    "sine": {"color": BLACK, "linewidth": 1.0, "linestyle": DASHED, "zorder": 3},
 }
 TURNS = np.linspace(0.0, 1.0, 1441)
 # turns between the instants at which D is on an axis or the page divides by zero
@@ -100,7 +100,7 @@ def two_forms(ordinate: str, exact: Any, printed: Any, title: str = "") -> Panel
     return Panel(ordinate, {"exact": exact, "as printed": printed}, title)
 
 
-def sheet(width: float, height: float, caption: str) -> Figure:
+def new_figure(width: float, height: float, caption: str) -> Figure:
     """Return an empty figure with a caption below.
 
     Args:
@@ -113,7 +113,7 @@ def sheet(width: float, height: float, caption: str) -> Figure:
     return figure
 
 
-def dress(axes: Axes, abscissa: str, ordinate: str, title: str = "") -> None:
+def add_labels(axes: Axes, abscissa: str, ordinate: str, title: str = "") -> None:
     """Set labels, a title at the left and a light grid, and remove the box.
 
     Args:
@@ -141,7 +141,7 @@ def draw(axes: Axes, panel: Panel, x: Any, abscissa: str = "") -> None:
     axes.set_prop_cycle(color=COLOURS)
     for label, values in panel.curves.items():
         axes.plot(x, values, label=label, **{"linewidth": 1.4, **STYLES.get(label, {})})
-    dress(axes, abscissa, panel.ordinate, panel.title)
+    add_labels(axes, abscissa, panel.ordinate, panel.title)
     axes.margins(x=0.0)
     axes.axhline(0.0, color=BLACK, linewidth=0.6)
 
@@ -156,7 +156,7 @@ def panels(rows: Sequence[Sequence[Panel]], x: Any, abscissa: str, caption: str,
         caption: Text of the caption.
         shared: Arguments of subplots, such as sharey.
     """
-    figure = sheet(max(5.8, 3.1 * len(rows[0])), 0.7 + 2.2 * len(rows), caption)
+    figure = new_figure(max(5.8, 3.1 * len(rows[0])), 0.7 + 2.2 * len(rows), caption)
     grid = figure.subplots(len(rows), len(rows[0]), sharex=True, squeeze=False, **shared)
     for row, cells in zip(grid, rows, strict=True):
         for axes, panel in zip(row, cells, strict=True):
@@ -368,7 +368,7 @@ class Sketch:
         self.axes, self.plane = axes, plane
         axes.set_aspect("equal")
         axes.axis(view)
-        dress(axes, f"${plane[0]}$ [mm]", f"${plane[1]}$ [mm]", title)
+        add_labels(axes, f"${plane[0]}$ [mm]", f"${plane[1]}$ [mm]", title)
 
     def projected(self, place: Any) -> Any:
         """Project positions onto the plane, mm.
@@ -455,7 +455,7 @@ class Sketch:
             offset: Position of the name relative to the middle, mm.
         """
         foot = through + ((of - through) * np.conj(along)).real * along
-        self.line(through, foot, colour=colour, linestyle=BROKEN)
+        self.line(through, foot, colour=colour, linestyle=DASHED)
         self.line(of, foot, colour=colour, linestyle=DOTTED)
         self.write(0.5 * (of + foot) + offset, name, colour)
 
@@ -478,7 +478,7 @@ class Sketch:
 def figure_1() -> Figure:
     """Draw Karetin's figure 1: section of the layout at time 0, and both modes along the central axis."""
     g, instant = LAYOUT, f"b, c: one revolution of the pinion shaft, drawn after {INSTANT:g} revolutions"
-    figure = sheet(12.0, 4.2, f"All exact. {instant}; P is the projection of D on yOz. {mechanism(g)}")
+    figure = new_figure(12.0, 4.2, f"All exact. {instant}; P is the projection of D on yOz. {mechanism(g)}")
     layout = f"a) layout: AD, QA, OQ = {1e3 * g.AD:.1f}, {1e3 * g.QA:.1f}, {1e3 * g.OQ:.1f} mm"
     views = (
         (layout, "xz", "section", STOP, 0.0),
@@ -515,14 +515,14 @@ def pitch_cones(g: Geometry) -> tuple[Any, Any, Any]:
 def trajectories() -> Figure:
     """Draw Karetin's figure 2: trajectory of D in the stop and in the dynamic mode, with the pitch cones."""
     caption = f"Trajectory of D over a period and position at the start, exact. {mechanism(PAPER)}"
-    figure = sheet(10.4, 5.2, caption)
+    figure = new_figure(10.4, 5.2, caption)
     apex, *rims = pitch_cones(PAPER)
     start = exact(PAPER, STOP, [0.0])
     centre, A, D = np.zeros(3), start.centre_of_satellite[:, 0], start.position[:, 0]
     for n, (title, motion) in enumerate(MODES, 1):
         axes: Any = figure.add_subplot(1, 2, n, projection="3d", computed_zorder=False)
         path = exact(PAPER, motion, np.linspace(0.0, period(PAPER, motion), 1441)).position
-        look: dict[str, Any] = {"color": GREY, "linewidth": 0.9, "linestyle": BROKEN}
+        look: dict[str, Any] = {"color": GREY, "linewidth": 0.9, "linestyle": DASHED}
         axes.plot(path[0], path[1], 0.0 * path[2], label="H: D on xOy", **look)
         for rim, colour in zip(rims, (GREY, BLUE), strict=True):
             axes.plot(*rim, color=colour, linewidth=1.3)
@@ -551,7 +551,7 @@ def arms() -> Figure:
     turns = MOVING.t[turn] * MOVING.omega16 / (2.0 * np.pi)
     caption = "Projections of V and their arms about O, exact; (26) to (30) are right as printed, in (31) the"
     caption += f" printed y_N is the x of N. V: 1 m/s is 4 mm; planes drawn at {turns[at]:.2f} revolutions"
-    figure = sheet(9.6, 8.0, f"{caption}. {mechanism(GENERAL)}")
+    figure = new_figure(9.6, 8.0, f"{caption}. {mechanism(GENERAL)}")
     grid = figure.subplots(3, 3, height_ratios=(2.2, 1.0, 1.0)).T
     look: dict[str, Any] = {"color": GREY, "linewidth": 0.8}
     names = zip(("xOy", "yOz", "xOz"), "HPF", "LMN", strict=True)
@@ -561,7 +561,7 @@ def arms() -> Figure:
         path, V, foot_of_O = (drawn.projected(v)[turn] for v in vectors)
         mass, end = path[at], foot_of_O[at]
         drawn.axes.plot(path.real, path.imag, label=f"${point}$", **look)
-        drawn.axes.axline((mass.real, mass.imag), (end.real, end.imag), linestyle=BROKEN, **look)
+        drawn.axes.axline((mass.real, mass.imag), (end.real, end.imag), linestyle=DASHED, **look)
         drawn.line(0j, end, colour=BLUE)
         drawn.arrow(mass, V[at], VERMILION)
         for place, name in ((0j, "O"), (mass, point), (end, foot)):
@@ -578,7 +578,9 @@ def arms() -> Figure:
 
 def epicycloid() -> Figure:
     """Draw the figure of Lysenko to scale: wheels 1 and 2, carrier 3, epicycloid 4, distance and angles."""
-    figure = sheet(5.6, 6.0, f"Wheel 1 rolls around the fixed wheel 2 (exact), drawn at α = 130°. {WHEELS}")
+    figure = new_figure(
+        5.6, 6.0, f"Wheel 1 rolls around the fixed wheel 2 (exact), drawn at α = 130°. {WHEELS}"
+    )
     Sketch(figure.subplots(), "XY", (-105, 105, -105, 105)).parts("wheels", "links")
     return figure
 
@@ -588,7 +590,7 @@ def speeds_and_forces() -> Figure:
     page = lysenko.printed(M, DRAWN_ANGLE, W)
     printed_arms = f"with the printed arms k1 = {1e3 * page.k1:.1f} and k2 = {1e3 * page.k2:.1f} mm"
     caption = f"exact (Fk is in line with F1, so k1 = 0); grey: Fk as printed, {printed_arms}"
-    figure = sheet(9.4, 5.0, f"At α = 130°, {caption}. {WHEELS}")
+    figure = new_figure(9.4, 5.0, f"At α = 130°, {caption}. {WHEELS}")
     speeds = f"{AT.V1:.2f}, {AT.V2:.2f}, {AT.V:.2f} m/s"
     forces = f"{AT.F1:.0f}, {AT.F2:.0f}, {AT.Fk:.0f} N (printed {page.Fk:.0f} N)"
     titles = {

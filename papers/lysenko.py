@@ -194,7 +194,7 @@ def missing(coriolis: Any, turned: Any) -> float:
 
 
 def ripple(power: Any) -> float:
-    """Return the mean over a cycle relative to the maximum.
+    """Return the magnitude of the mean over a cycle, relative to the maximum magnitude.
 
     Args:
         power: Values over a cycle, whose first and last angle are the same, shape (n,).

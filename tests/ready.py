@@ -8,12 +8,12 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from inertia_module.compiling.load import load
-from inertia_module.compiling.targets import TARGETS, here
+from inertia_module.compiling.targets import TARGETS, host_target
 from inertia_module.fmu.builder import FMUS, WEB_KERNEL, build
 from inertia_module.interface.models import MODELS
 
 # Targets whose code belongs to the library of this process: macOS has two.
-HERE = tuple(target for target in TARGETS if target.folder == here().folder)
+HERE = tuple(target for target in TARGETS if target.folder == host_target().folder)
 
 
 def make_ready():

@@ -15,7 +15,7 @@ import typer
 from rich import box
 from rich.table import Table
 
-from inertia_module.cli import Answer, OutputFolder, Shown, aside, command
+from inertia_module.cli import Answer, OutputFolder, OutputPart, command, print_to_stderr
 from inertia_module.common.files import OUTPUT_FOLDER, writable_folder, write_atomically
 from inertia_module.common.terminal import progress_bar, terminal
 from inertia_module.interface.models import MODELS
@@ -76,7 +76,7 @@ def stability(
     rows = verdicts.rows_of(results)
     counts = [(axis, *cells) for axis, *cells in verdicts.counts(rows)]
     total = Counter(verdict.outcome for verdict in results)
-    parts: list[Shown] = [
+    parts: list[OutputPart] = [
         partial(print_table, "", ("axis", "cases", *verdicts.VERDICTS, "maximum error"), counts),
         *verdicts.reasons(rows),
         ", ".join(f"{total[name]} {name}" for name in verdicts.VERDICTS),
@@ -102,7 +102,7 @@ def _random_machines(count: int, seed: int, workers: int | None, folder: Path) -
         rows = machines.examine_machines(count, seed, workers, progress)
     headings = "fidelity level", "cases", *VERDICTS, "judged", "median error", "maximum error"
     others = [row for row in rows if row.verdict != EXACT]
-    parts: list[Shown] = [
+    parts: list[OutputPart] = [
         partial(print_table, "", headings, machines.counts(rows)),
         *(f"number {row.number} ({row.level}): {row.verdict}: {row.reason}" for row in others),
     ]
@@ -136,7 +136,7 @@ def compatibility(output: OutputFolder = None) -> Answer:
     """
     from .compatibility import write_tree
 
-    paths, problems = write_tree(writable_folder(output or OUTPUT_FOLDER / "compatibility"), aside)
+    paths, problems = write_tree(writable_folder(output or OUTPUT_FOLDER / "compatibility"), print_to_stderr)
     parts = [*(f"wrote {path}" for path in paths), *problems, f"{len(problems) or 'no'} problems found"]
     return Answer({"files": list(map(str, paths)), "problems": problems}, parts, failed=bool(problems))
 

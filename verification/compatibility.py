@@ -11,15 +11,22 @@ from fmpy.cross_check.validate_vendor_repo import validate_test_fmu
 
 from inertia_module import __version__
 from inertia_module.common.files import write_atomically
-from inertia_module.fmu.archive import filled
+from inertia_module.fmu.archive import render
 from inertia_module.fmu.builder import FMUS, content_of
 from inertia_module.fmu.linking import Progress
 from inertia_module.fmu.native_fmu import Build
 
-from .reference.experiments import ASKED, CARRIED, STEP, STOP, experiments, package_folder
+from .reference.experiments import (
+    EXPERIMENT_TOLERANCE,
+    LS_REF_FOLDER,
+    STEP,
+    STOP,
+    experiments,
+    package_folder,
+)
 
 README = Path(__file__).parent / "reference" / "templates" / "compatibility.txt"
-OPTIONS = f"StartTime, 0.0\nStopTime, {STOP}\nStepSize, {STEP}\nRelTol, {ASKED}\n"
+OPTIONS = f"StartTime, 0.0\nStopTime, {STOP}\nStepSize, {STEP}\nRelTol, {EXPERIMENT_TOLERANCE}\n"
 
 
 def write_tree(folder: Path, progress: Progress) -> tuple[list[Path], list[str]]:
@@ -46,21 +53,21 @@ def write_tree(folder: Path, progress: Progress) -> tuple[list[Path], list[str]]
             )
         name, fmi = fmu.identifier, getattr(fmu, "fmi", 2)
         experiment = experiments(fmu.model)[0]
-        carried = package_folder(fmu.model) / CARRIED
+        references = package_folder(fmu.model) / LS_REF_FOLDER
         files = {
             f"{name}.fmu": content,
             **{
-                f"{name}_{kind}.csv": (carried / f"{experiment.name}_{kind}.csv").read_bytes()
+                f"{name}_{kind}.csv": (references / f"{experiment.name}_{kind}.csv").read_bytes()
                 for kind in ("in", "ref")
             },
             f"{name}_ref.opt": OPTIONS.encode(),
-            "readme.txt": filled(
+            "readme.txt": render(
                 README, {"name": name, "fmi": fmi, "fmu": fmu, "experiment": experiment}
             ).encode(),
         }
-        place = folder / "fmus" / f"{fmi}.0" / "cs" / "linux64" / "inertia-module" / __version__ / name
+        target = folder / "fmus" / f"{fmi}.0" / "cs" / "linux64" / "inertia-module" / __version__ / name
         for file, text in files.items():
-            write_atomically(place / file, text)
-            paths.append(place / file)
-        problems += validate_test_fmu(str(place))
+            write_atomically(target / file, text)
+            paths.append(target / file)
+        problems += validate_test_fmu(str(target))
     return paths, problems

@@ -23,7 +23,7 @@ from scipy.integrate import odeint, solve_ivp
 from inertia_module.common.errors import InertiaModuleError
 from inertia_module.common.extras import library
 from inertia_module.compiling.c_compiler import link
-from inertia_module.compiling.targets import here
+from inertia_module.compiling.targets import host_target
 from inertia_module.fidelity.timing import median_time
 from inertia_module.kernel.codes import RIGID
 from inertia_module.model import Module
@@ -67,8 +67,8 @@ def equations() -> tuple[Any, Any]:
     """
     source = Path(__file__).with_name("equations.c").read_bytes()
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"equations{here().suffix}"
-        path.write_bytes(link(here(), path.name, {"equations.c": source}))
+        path = Path(folder) / f"equations{host_target().suffix}"
+        path.write_bytes(link(host_target(), path.name, {"equations.c": source}))
         library = ctypes.CDLL(str(path))
     pointers = [ctypes.c_void_p] * 3
     library.rates.argtypes, library.rates.restype = [*pointers, ctypes.c_size_t, ctypes.c_void_p], None
@@ -123,7 +123,7 @@ class Problem:
         if not (stiffness is None or all(present)):
             raise UnavailableError("viscous clutches require both freewheels (got a case without one)")
         self.machine, self.case, self.events = Machine(p), case, stiffness is None
-        if self.machine.rubs or any(p[name] for name in LOSSES):
+        if self.machine.has_dry_friction or any(p[name] for name in LOSSES):
             raise UnavailableError(f"peers do not support losses: {', '.join(LOSSES)} and friction must be 0")
         inertias = p["link2_inertia"], p["output_inertia"]
         constants = case.omega1, case.load_torque, self.machine.k, *inertias, stiffness or 0.0
@@ -139,7 +139,7 @@ class Problem:
         Args:
             phase: Phase, rad.
         """
-        rate = self.machine.work.highest * self.machine.k * abs(self.case.omega1)
+        rate = self.machine.work.max_order * self.machine.k * abs(self.case.omega1)
         return float(phase / rate) if self.events and rate > 0.0 else math.inf
 
     def choose(self, y: Array) -> None:
@@ -151,7 +151,7 @@ class Problem:
         if not self.events:
             return
         numbers, (rates, guard) = self.data[0], equations()
-        present, turning = numbers[list(PRESENT)] != 0.0, np.array([y[1] != 0.0, y[2] != y[1]])
+        present, is_moving = numbers[list(PRESENT)] != 0.0, np.array([y[1] != 0.0, y[2] != y[1]])
         for closed in itertools.product((1.0, 0.0), repeat=2):
             # a missing housing freewheel is open, a missing output freewheel is closed
             if any(closed[n] != (n == OUTPUT) for n in (HOUSING, OUTPUT) if not present[n]):
@@ -160,9 +160,9 @@ class Problem:
             _, alpha2, alpha3 = rates(0.0, y, *self.data)
             relative_accelerations = alpha2, alpha3 - alpha2
             if not any(
-                turning[n] or guard(0.0, y, *self.data, n) < 0.0
+                is_moving[n] or guard(0.0, y, *self.data, n) < 0.0
                 if closed[n]
-                else not turning[n] and relative_accelerations[n] < 0.0
+                else not is_moving[n] and relative_accelerations[n] < 0.0
                 for n in np.flatnonzero(present)
             ):
                 return

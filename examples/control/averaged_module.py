@@ -50,7 +50,7 @@ class TransientInertia(NamedTuple):
 QUASI_STEADY = TransientInertia(0.0, 0.0)
 # output of the averaged system by the step mean of the FMU
 MEANS = {"input_torque_mean": "input_torque", "output_torque_mean": "output_torque"}
-# change of the output speed for a difference of energies, over omega1
+# change of the output speed for the derivative of the energy, over omega1
 DIFFERENCE = 1e-4
 
 
@@ -95,12 +95,12 @@ def averaged_system(
         allowed_inputs = f"{' and '.join(INPUTS)}, and optionally {INPUT_RATE}"
         raise ValueError(must_be("inputs", allowed_inputs, ", ".join(inputs)))
     module = Module(kernel).start(**{**(parameters or {}), "fidelity": float(codes.AVERAGED)})
-    places = [list(inputs).index(variable) if variable in inputs else -1 for variable in all_inputs]
+    columns = [list(inputs).index(variable) if variable in inputs else -1 for variable in all_inputs]
     state, inertia = module.state, module["output_inertia"]
 
     def set_state(omega_out: float, u: Any) -> tuple[float, float]:
         """Set the state and calculate the outputs; return the output torque, N.m, and omega_out', rad/s2."""
-        omega1, load, rate = (float(u[place]) if place >= 0 else 0.0 for place in places)
+        omega1, load, rate = (float(u[column]) if column >= 0 else 0.0 for column in columns)
         state.omega1, state.alpha1 = omega1, rate
         # The shaft cannot rotate backward. A negative speed is an error of the solver and means standstill.
         state.omega3, state.load_torque = max(omega_out, 0.0), load

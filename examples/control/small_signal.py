@@ -30,9 +30,10 @@ CASES = (
     ("planar, lighter output, ratio 0.30", PLANAR | {"output_inertia": 0.05}, 200.0, 60.0, 44.0),
 )
 OUTPUTS = ("omega_out", "output_torque_mean", "input_torque_mean")
-# frequencies over pulse rate; amplitude of the input over its mean
-SHARES = np.array([0.01, 0.03, 0.1])
-AMPLITUDE = {"omega1": 0.005, "load_torque": 0.1}
+# frequencies over the pulse rate
+PULSE_RATE_SHARES = np.array([0.01, 0.03, 0.1])
+# amplitude of an input over its mean
+AMPLITUDES = {"omega1": 0.005, "load_torque": 0.1}
 STEP = 1e-3  # s
 
 
@@ -45,24 +46,31 @@ def compare(fmu_path, case):
     print(
         f"{title}: load {load:.3g} N.m, transient inertia {transient.input:.4f}, {transient.output:.4f} kg.m2"
     )
-    for excited, share in AMPLITUDE.items():
-        point = {"omega1": omega1, "load_torque": load, "excited": excited, "frequencies": SHARES * rate}
+    for excited, share in AMPLITUDES.items():
+        point = {
+            "omega1": omega1,
+            "load_torque": load,
+            "excited": excited,
+            "frequencies": PULSE_RATE_SHARES * rate,
+        }
         measured = measured_response(
             fmu_path, {**parameters, "omega_out_start": omega_out}, **point, outputs=OUTPUTS,
             amplitude=share * {"omega1": omega1, "load_torque": load}[excited],
             step=STEP, settling=8.0, record=20.0,
         )  # fmt: skip
-        for word, added in (
+        for model, inertia in (
             ("plain", TransientInertia(0.0, 0.0)),
             ("with transient", transient),
         ):
-            linear = averaged_response(parameters, **point, outputs=OUTPUTS, guess=omega_out, transient=added)
+            linear = averaged_response(
+                parameters, **point, outputs=OUTPUTS, guess=omega_out, transient=inertia
+            )
             gain, phase = measured.deviation_from(linear)
-            figures = "   ".join(
+            deviations = "   ".join(
                 f"{100.0 * np.abs(gain[n]).max():5.1f} % {np.abs(phase[n]).max():5.1f} deg"
                 for n in range(len(OUTPUTS))
             )
-            print(f"  {excited:12s} {word:15s} {figures}")
+            print(f"  {excited:12s} {model:15s} {deviations}")
     print(
         f"  pulses at {measured.pulse_rate:.1f} Hz, omega_out {measured.mean[0]:.2f} of {omega_out:g} rad/s"
     )

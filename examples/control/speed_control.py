@@ -92,9 +92,9 @@ def pi_controller(gains):
 
 def feedback_controller(gains):
     """Make sensor and state feedback for deviations, from omega_out and omega1 to command."""
-    on_speed, on_motor, on_sum = gains
+    speed_gain, motor_gain, sum_gain = gains
     controller = ct.ss(
-        [[1.0]], [[1.0, 0.0]], [[-on_sum]], [[-on_speed, -on_motor]],
+        [[1.0]], [[1.0, 0.0]], [[-sum_gain]], [[-speed_gain, -motor_gain]],
         STEP, inputs=["measured", "omega1"], outputs="command", name="controller",
     )  # fmt: skip
     return [lag(SENSOR_LAG, "omega_out", "measured", "sensor"), controller]
@@ -159,19 +159,22 @@ def simulate(fmu_path, kind, operating, controllers, signals):
         return ct.input_output_response(loop, time, signals, initial).outputs
 
 
-def pi_in_full(gains, operating):
+def limited_pi(gains, operating):
     """Make sensor and PI controller with limits; return them with their states at the operating point."""
     sensor = lag(SENSOR_LAG, "omega_out", "measured", "sensor")
-    pi = driveline.pi_speed_controller(STEP, *gains, LIMITS, measured="measured", command="command")
+    proportional, integral = gains
+    pi = driveline.pi_speed_controller(
+        STEP, proportional, integral, LIMITS, measured="measured", command="command"
+    )
     return [sensor, pi], [[operating], [OMEGA1]]
 
 
-def feedback_in_full(gains, operating):
+def limited_feedback(gains, operating):
     """Make sensor and state feedback with limits; return them with their states at the operating point."""
-    on_speed, on_motor, on_sum = gains
+    speed_gain, motor_gain, sum_gain = gains
 
     def output(_, x, u, __):
-        command = OMEGA1 - on_speed * (u[1] - operating) - on_motor * (u[2] - OMEGA1) - on_sum * x[0]
+        command = OMEGA1 - speed_gain * (u[1] - operating) - motor_gain * (u[2] - OMEGA1) - sum_gain * x[0]
         return [min(max(command, LIMITS[0]), LIMITS[1])]
 
     def update(_, x, u, __):
@@ -230,9 +233,9 @@ def responses(fmu_path, operating, gains):
     hill = np.where(time < 7.0, HILL, HILL + HILL_STEP)
     signals = np.stack([reference, hill])
     columns = {"time": time, "reference": reference, "load_torque": hill}
-    for name, in_full in (("PI", pi_in_full), ("state feedback", feedback_in_full)):
+    for name, limited in (("PI", limited_pi), ("state feedback", limited_feedback)):
         for kind in PLANTS:
-            run = simulate(fmu_path, kind, operating, in_full(gains[name], operating), signals)
+            run = simulate(fmu_path, kind, operating, limited(gains[name], operating), signals)
             for signal, values in zip(SIGNALS, run, strict=True):
                 columns[f"{signal} {name} {kind}"] = values
     units = {name: "N.m" if name == "load_torque" else "rad/s" for name in columns if name != "time"}
@@ -257,17 +260,17 @@ def compare_loops(fmu_path, operating, controller):
     """Print deviations of the measured loop; return curves of the Bode plot and the pulse rate, Hz."""
     fine, coarse = np.geomspace(0.03, 10.0, 300), np.array([0.1, 0.3, 1.0, 2.0, 4.0])
     loop, pulse_rate = measured_loop(fmu_path, operating, controller, coarse)
-    drawn = [("measured on the rigid FMU", (coarse, loop), "o")]
+    curves = [("measured on the rigid FMU", (coarse, loop), "o")]
     for kind, style in (("rigid", "-"), ("elastic", "--")):
         predicted = open_loop(controller, linear_plant(kind, operating))
         response = predicted(np.exp(2j * math.pi * fine * STEP))
-        drawn.append((f"averaged module, {kind} output", (fine, response), style))
+        curves.append((f"averaged module, {kind} output", (fine, response), style))
     predicted = open_loop(controller, linear_plant("rigid", operating))
     print(f"\nrigid FMU against averaged module, linearised (pulses at {pulse_rate:.1f} Hz):")
     for frequency, value in zip(coarse, loop / predicted(np.exp(2j * math.pi * coarse * STEP)), strict=True):
         phase = np.degrees(np.angle(value))
         print(f"  {frequency:4.1f} Hz: gain {abs(value) - 1.0:+.2%}, phase {phase:+.2f} degrees")
-    return drawn, pulse_rate
+    return curves, pulse_rate
 
 
 def main(fmu_path, folder):
@@ -290,9 +293,9 @@ def main(fmu_path, folder):
         )
     table = responses(fmu_path, operating, {name: gains for name, (_, gains) in controllers.items()})
     step_numbers(table, PLANTS)
-    drawn, pulse_rate = compare_loops(fmu_path, operating, controllers["PI"][0])
+    curves, pulse_rate = compare_loops(fmu_path, operating, controllers["PI"][0])
     table.to_csv(folder / "responses.csv")
-    write_figure(folder / "speed_control.png", figure_of(table, PLANTS, drawn, pulse_rate))
+    write_figure(folder / "speed_control.png", figure_of(table, PLANTS, curves, pulse_rate))
     print(f"\nresponses.csv and speed_control.png are in {folder}")
 
 

@@ -60,49 +60,50 @@ def measured_margins(fmu, surrounding, point, kick, expected, limits):
     """
     measured, fed = list(surrounding.input_labels), list(surrounding.output_labels)
     a, b, c = (np.asarray(matrix) for matrix in (surrounding.A, surrounding.B, surrounding.C))
-    around, offset = np.array([point[name] for name in measured]), np.array([point[name] for name in fed])
+    steady_outputs = np.array([point[name] for name in measured])
+    steady_inputs = np.array([point[name] for name in fed])
     step = float(surrounding.dt)
     # a run lasts ten periods of the crossover
     steps = round(20.0 * math.pi / expected.crossover / step)
-    begin = fmu.get_state()
+    start = fmu.get_state()
 
-    def swings(factor=1.0, delay=0):
-        """Return the RMS of the second and the last quarter of a run, without mean and drift.
+    def early_and_late_rms(factor=1.0, delay=0):
+        """Return the RMS of the first measured signal in the second and last quarter of a run, without drift.
 
         Args:
             factor: Factor on the measured signals.
             delay: Delay of the measured signals, steps.
         """
-        fmu.set_state(begin)
+        fmu.set_state(start)
         state, first = np.array(kick, dtype=float), np.empty(steps + 1)
-        under_way = deque([np.zeros(len(measured))] * delay)
+        delayed = deque([np.zeros(len(measured))] * delay)
         for n in range(steps + 1):
-            deviation = np.array(fmu.read(measured)) - around
+            deviation = np.array(fmu.read(measured)) - steady_outputs
             first[n] = deviation[0]
             if n == steps:
                 break
-            values = (offset + c @ state).tolist()
+            values = (steady_inputs + c @ state).tolist()
             if not all(limits[0] <= value <= limits[1] for value in values):
                 return 0.0, math.inf
             fmu.set(**dict(zip(fed, values, strict=True)))
             fmu.advance(step)
-            under_way.append(factor * deviation)
-            state = a @ state + b @ under_way.popleft()
+            delayed.append(factor * deviation)
+            state = a @ state + b @ delayed.popleft()
         quarter = first.size // 4
         early, late = (first[n * quarter : (n + 1) * quarter] for n in (1, 3))
         return float(np.std(detrend(early))), float(np.std(detrend(late)))
 
-    max_ripple = 2.0 * swings()[1]
+    max_ripple = 2.0 * early_and_late_rms()[1]
 
     def settles(factor=1.0, delay=0.0):
-        early, late = swings(factor, round(delay))
+        early, late = early_and_late_rms(factor, round(delay))
         return late < max(early, max_ripple)
 
     try:
         gain = stability_limit(settles, *(expected.gain * SEARCH_RANGE))
         late = stability_limit(lambda delay: settles(delay=delay), *(expected.delay / step * SEARCH_RANGE))
     finally:
-        fmu.set_state(begin)
+        fmu.set_state(start)
     return Margins(gain, late * step, expected.crossover)
 
 

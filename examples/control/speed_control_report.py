@@ -4,7 +4,7 @@ import control as ct
 import numpy as np
 from matplotlib.figure import Figure
 
-from inertia_module.plots.scenes import BLACK, BLUE, VERMILION
+from inertia_module.common.colours import BLACK, BLUE, VERMILION
 
 
 def report(rows):
@@ -41,12 +41,12 @@ def step_numbers(table, plants):
             )
 
 
-def figure_of(table, plants, loops_drawn, pulse_rate):
+def figure_of(table, plants, curves, pulse_rate):
     """Draw the Bode plot of the loop with the PI controller (left) and the responses (right)."""
     figure = Figure(figsize=(12.0, 8.0), dpi=100, layout="constrained")
     figure.suptitle("Car on a hill: designed on the averaged module, run on the FMUs", fontweight="bold")
     axes = figure.subplots(2, 2)
-    for label, (frequency, loop), style in loops_drawn:
+    for label, (frequency, loop), style in curves:
         axes[0, 0].loglog(frequency, np.abs(loop), style, label=label)
         axes[1, 0].semilogx(frequency, np.degrees(np.unwrap(np.angle(loop))), style, label=label)
     axes[0, 0].set_ylabel("gain of the PI loop")

@@ -12,7 +12,7 @@ from typing import Any
 
 import typer
 
-from inertia_module.cli import Answer, OutputFolder, Shown, command
+from inertia_module.cli import Answer, OutputFolder, OutputPart, command
 from inertia_module.common.files import OUTPUT_FOLDER, writable_folder
 from inertia_module.common.terminal import progress_bar
 from verification.__main__ import print_table
@@ -38,7 +38,7 @@ def coupling(output: OutputFolder = None) -> Answer:
     fmu_path = current_fmu()
     parts: dict[str, Callable[..., Sequence[Any]]] = {MAP: coupling_map, URBAN: urban_runs}
     data: dict[str, Any] = {}
-    tables: list[Shown] = []
+    tables: list[OutputPart] = []
     files: dict[str, Path] = {}
     for name, measure in parts.items():
         with progress_bar(f"measuring: {name}") as progress:

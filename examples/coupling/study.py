@@ -167,7 +167,7 @@ def monolithic(case: CoupledCase) -> Course:
         for n in range(samples):
             angle, speed = motion.state[THETA1], motion.state[OMEGA1]
             torque, integral = law.sample(integral, case.speed, speed, engine.limits.limits(speed))
-            motion.give(torque, case.load_torque)
+            motion.set_torques(torque, case.load_torque)
             motion.advance((window * samples + n + 1) * law.sample_time)
             work += torque * (motion.state[THETA1] - angle)
         omega1.append((motion.state[THETA1] - start_angle) / WINDOW)

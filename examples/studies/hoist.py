@@ -23,7 +23,7 @@ OMEGA1 = 150.0  # rad/s
 TIMES = (0.0, 3.0, 3.2, 7.0, 7.2, 10.0)  # s
 SPEEDS = (OMEGA1, OMEGA1, 0.0, 0.0, OMEGA1, OMEGA1)
 STEP = 2e-3  # s
-SHARES = (0.2, 0.5, 0.8, 1.2)  # load torque over stall torque
+LOAD_RATIOS = (0.2, 0.5, 0.8, 1.2)  # load torque over stall torque
 OUTPUTS = ("omega_out", "output_torque_mean", "housing_torque", "energy_in", "energy_out")
 
 
@@ -55,13 +55,13 @@ def study(fmu=None):
         fmu: FMU to use; None for the bundled FMU.
 
     Returns:
-        Rows (load, mass, lifted height, dropped height, lifting speed), and the results by share.
+        Rows (load, mass, lifted height, dropped height, lifting speed), and the results by this ratio.
     """
     torque = stall_torque(OMEGA1, fmu)
     rows, tables = [], {}
-    for share in SHARES:
-        load = share * torque
-        table = tables[share] = run(load, True, fmu)
+    for ratio in LOAD_RATIOS:
+        load = ratio * torque
+        table = tables[ratio] = run(load, True, fmu)
         standing = table.time < TIMES[3]
         lifted, end_height = np.interp((TIMES[1], TIMES[3]), table.time, table["height"])
         late = (table.time > 1.0) & (table.time < TIMES[1])
@@ -76,13 +76,13 @@ def main():
     """Run the study, print its table, and write table.csv and plot.png."""
     rows, tables = study()
     print("load, N.m   mass, kg   lifted in 3 s, m   dropped at rest, m       lifting, m/s")
-    for load, mass, lifted, sunk, speed in rows:
-        print(f"{load:<11.1f} {mass:<10.1f} {lifted:<18.3f} {sunk:<24.2e} {speed:.3f}")
-    load = SHARES[1] * rows[0][0] / SHARES[0]
+    for load, mass, lifted, dropped, speed in rows:
+        print(f"{load:<11.1f} {mass:<10.1f} {lifted:<18.3f} {dropped:<24.2e} {speed:.3f}")
+    load = LOAD_RATIOS[1] * rows[0][0] / LOAD_RATIOS[0]
     falling = run(load, False, stop=1.0)
     print(f"without the housing freewheel, {load:.1f} N.m: {falling['height'][-1]:.2f} m after 1 s")
-    columns = {"time": tables[SHARES[0]].time, "omega1": tables[SHARES[0]]["omega1"]}
-    columns |= {f"height_{share:g}": table["height"] for share, table in tables.items()}
+    columns = {"time": tables[LOAD_RATIOS[0]].time, "omega1": tables[LOAD_RATIOS[0]]["omega1"]}
+    columns |= {f"height_{ratio:g}": table["height"] for ratio, table in tables.items()}
     units = {name: "rad/s" if name == "omega1" else "m" for name in columns if name != "time"}
     result = Result.from_columns(columns, units)
     folder = Path("out") / "hoist"

@@ -91,10 +91,10 @@ def main():
     print("omega1   stall torque   / omega1^2      rigid: 50 %    90 %   averaged: 50 %    90 %")
     print("rad/s    N.m            N.m.s2/rad2            s       s                s       s")
     for omega1, torque, *times in rows:
-        rigid_half, rigid_most, half, most = times
+        rigid_50, rigid_90, averaged_50, averaged_90 = times
         print(
-            f"{omega1:<8g} {torque:<14.1f} {torque / omega1**2:<15.5f} {rigid_half:11.3f} {rigid_most:7.3f}"
-            f" {half:16.3f} {most:7.3f}"
+            f"{omega1:<8g} {torque:<14.1f} {torque / omega1**2:<15.5f} {rigid_50:11.3f} {rigid_90:7.3f}"
+            f" {averaged_50:16.3f} {averaged_90:7.3f}"
         )
     columns = {"time": launches[SPEEDS[0], "rigid"].time}
     for (omega1, fidelity), table in launches.items():

@@ -22,9 +22,9 @@ INERTIA = 0.5  # kg.m2
 HOLD = 4.0  # s at each load
 STEP = 2e-3  # s
 # loads over the stall torque, in the middle over the lock-up torque
-STALL_SHARES = (0.3, 0.8)
-LOCK_UP_SHARES = (0.5, 1.1)
-BACK_SHARES = (0.8, 0.3)
+STALL_RATIOS_UP = (0.3, 0.8)
+LOCK_UP_RATIOS = (0.5, 1.1)
+STALL_RATIOS_DOWN = (0.8, 0.3)
 SMOOTHING = 0.1  # s
 OUTPUTS = ("omega_out", "output_torque_mean", "input_torque_mean")
 
@@ -35,9 +35,9 @@ def loads_of_study():
     stall, lock_up = (summary[name] * OMEGA1**2 for name in ("stall_torque", "lock_up_torque"))
     return np.array(
         [
-            *(share * stall for share in STALL_SHARES),
-            *(share * lock_up for share in LOCK_UP_SHARES),
-            *(share * stall for share in BACK_SHARES),
+            *(ratio * stall for ratio in STALL_RATIOS_UP),
+            *(ratio * lock_up for ratio in LOCK_UP_RATIOS),
+            *(ratio * stall for ratio in STALL_RATIOS_DOWN),
         ]
     )
 

@@ -19,7 +19,7 @@ from inertia_module.fmi.results import write_figure
 
 STEP = 0.01  # s
 SEED = 2026
-HELD = 0.05  # s
+HOLD = 0.05  # s, time for which a random number is constant
 SENSOR = 0.05  # m/s, standard deviation
 GUST = 6.0  # N.m on the output shaft, standard deviation
 CASES = {
@@ -31,17 +31,31 @@ CASES = {
 
 
 def noise(deviation, smooth, rng):
-    """Noise over the cycle as a table: numbers held for HELD seconds or smoothed over a time, s."""
-    time = np.arange(0.0, CYCLE.duration + HELD, HELD)
+    """Make noise over the cycle: random numbers that are constant for HOLD, optionally smoothed.
+
+    Args:
+        deviation: Standard deviation.
+        smooth: Time over which the numbers are smoothed, s; 0 for no smoothing.
+        rng: Random generator.
+
+    Returns:
+        Noise over time as a driveline.Table.
+    """
+    time = np.arange(0.0, CYCLE.duration + HOLD, HOLD)
     values = rng.normal(0.0, 1.0, time.size)
     if smooth:
-        width = round(smooth / HELD)
+        width = round(smooth / HOLD)
         values = np.convolve(values, np.ones(width) / np.sqrt(width), mode="same")
     return driveline.Table(time, deviation * values)
 
 
 def disturbances(sensor, gust):
-    """Systems that add the noise: to the measured speed, and to the torque of the car."""
+    """Return a system that adds noise to the measured speed, and a table of the torque of gusts.
+
+    Args:
+        sensor: Standard deviation of the measured speed, m/s.
+        gust: Standard deviation of the torque, N·m.
+    """
     rng = np.random.default_rng(SEED)
     wheel, wind = noise(sensor, 0.0, rng), noise(gust, 1.0, rng)
     measured = ct.nlsys(
@@ -56,7 +70,13 @@ def disturbances(sensor, gust):
 
 
 def run(sensor, gust, fmu=None):
-    """The cycle as a table."""
+    """Run the cycle and return its result.
+
+    Args:
+        sensor: Standard deviation of the measured speed, m/s.
+        gust: Standard deviation of the torque of gusts, N·m.
+        fmu: FMU to use; None for the bundled FMU.
+    """
     measured, wind = disturbances(sensor, gust)
     car = driveline.vehicle_load(STEP, mass=900.0, wheel_radius=0.29, final_drive=4.0, drag_area=0.65)
     torque = ct.nlsys(
@@ -93,8 +113,16 @@ def run(sensor, gust, fmu=None):
         return loop.run(CYCLE.duration)
 
 
-def judge(table):
-    """(speed error, km/h rms; share of time out of the tolerance; input work, kJ; residual over it)."""
+def metrics(table):
+    """Return the numbers of the printed table for one run.
+
+    Args:
+        table: Result of run.
+
+    Returns:
+        RMS speed error, km/h; fraction of the time outside the tolerance; input work, kJ; magnitude of the
+        energy residual over the input work.
+    """
     lower, upper = CYCLE.tolerance_band(table.time)
     speed = table["vehicle_speed"]
     outside = np.mean((speed < lower) | (speed > upper))
@@ -104,7 +132,11 @@ def judge(table):
 
 
 def study(fmu=None):
-    """Tables of all cases by name."""
+    """Run all cases; return the results by name.
+
+    Args:
+        fmu: FMU to use; None for the bundled FMU.
+    """
     return {name: run(*deviations, fmu) for name, deviations in CASES.items()}
 
 
@@ -113,7 +145,7 @@ def main():
     tables = study()
     print("case           error, km/h rms   out of tolerance   input work, kJ   energy residual")
     for name, table in tables.items():
-        error, outside, work, residual = judge(table)
+        error, outside, work, residual = metrics(table)
         print(f"{name:<14} {error:<17.3f} {outside:<18.2%} {work:<16.1f} {residual:.1e}")
     columns = {"time": tables["both"].time, "reference": tables["both"]["reference"]}
     columns |= {name.replace(" ", "_"): table["vehicle_speed"] for name, table in tables.items()}

@@ -48,15 +48,15 @@ def phases(table):
     """
     coasting = (table.time > TIMES[2]) & (table.time < TIMES[3])
     speed = table["omega_out"][coasting]
-    slowed = (speed[0] - speed[-1]) / np.ptp(table.time[coasting])
-    back = table.time >= TIMES[3]
-    pulls = back & (table["output_torque_mean"] > LOAD)
-    again = table.time[np.flatnonzero(pulls)[0]] if pulls.any() else np.nan
-    return slowed, LOAD / INERTIA, again - TIMES[3]
+    deceleration = (speed[0] - speed[-1]) / np.ptp(table.time[coasting])
+    accelerating = table.time >= TIMES[3]
+    has_torque = accelerating & (table["output_torque_mean"] > LOAD)
+    torque_start = table.time[np.flatnonzero(has_torque)[0]] if has_torque.any() else np.nan
+    return deceleration, LOAD / INERTIA, torque_start - TIMES[3]
 
 
 def study(fmu=None):
-    """Run with and without the output freewheel; return the results by this value.
+    """Run with (True) and without (False) the output freewheel; return the results by this value.
 
     Args:
         fmu: FMU to use; None for the bundled FMU.
@@ -67,16 +67,18 @@ def study(fmu=None):
 def main():
     """Run the study, print its table, and write table.csv and plot.png."""
     tables = study()
-    slowed, free, again = phases(tables[True])
-    print(f"deceleration while overrunning: {slowed:.4f} rad/s2; load over inertia: {free:.4f} rad/s2")
-    print(f"torque transmitted again {again:.3f} s after the input starts to accelerate")
+    deceleration, free_deceleration, delay = phases(tables[True])
+    print(f"deceleration while overrunning: {deceleration:.4f} rad/s2")
+    print(f"load over inertia: {free_deceleration:.4f} rad/s2")
+    print(f"torque transmitted again {delay:.3f} s after the input starts to accelerate")
     for freewheel, table in tables.items():
-        during = (table.time > TIMES[2]) & (table.time < TIMES[3])
-        work = table["energy_in"][during][-1] - table["energy_in"][during][0]
-        words = "with" if freewheel else "without"
-        lowest = table["omega_out"][during].min()
+        slow = (table.time > TIMES[2]) & (table.time < TIMES[3])
+        work = table["energy_in"][slow][-1] - table["energy_in"][slow][0]
+        with_or_without = "with" if freewheel else "without"
+        lowest = table["omega_out"][slow].min()
         print(
-            f"{words} output freewheel: input work while slow {work:9.1f} J, lowest speed {lowest:7.2f} rad/s"
+            f"{with_or_without} output freewheel: input work while slow {work:9.1f} J,"
+            f" lowest speed {lowest:7.2f} rad/s"
         )
     columns = {"time": tables[True].time, "omega1": tables[True]["omega1"]}
     columns |= {

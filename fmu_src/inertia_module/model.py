@@ -24,7 +24,7 @@ if TYPE_CHECKING:  # the Python FMU runs without NumPy
 
     Array = NDArray[np.float64]
 
-NO_STATE = "the state must be saved by this build (it is damaged or from another build)"
+INVALID_STATE = "the state must be saved by this build (it is damaged or from another build)"
 # maximum number of stored maps of fidelity averaged: equal instances share the map of the first one
 MAX_MAPS = 64
 # constants that build_map of the kernel writes and reuses
@@ -85,7 +85,7 @@ def _at_start(model: Model) -> tuple[Any, ...]:
 
 
 def _copy(target: Any, source: Any) -> None:
-    """Copy a record to another one with the same fields."""
+    """Copy a record to a record with the same fields."""
     ctypes.memmove(ctypes.addressof(target), ctypes.addressof(source), ctypes.sizeof(source))
 
 
@@ -360,11 +360,11 @@ class ModelInstance(Plant):
             rows: array for the outputs at the start and after each step, shape (steps + 1, outputs).
         """
         ends = {variable.name: variable.ends for variable in self.model.with_causality(INPUT)}
-        within = ends.keys() >= set(inputs) and all(
+        inputs_in_range = ends.keys() >= set(inputs) and all(
             ((ends[name][0] <= values) & (values <= ends[name][1])).all()
             for name, values in zip(inputs, input_rows.T, strict=True)
         )
-        if self._compiled is None or not self.started or not within:
+        if self._compiled is None or not self.started or not inputs_in_range:
             super().take_steps(lengths, inputs, input_rows, outputs, rows)
             return
         places = [(ctypes.c_void_p * len(names))(*map(self._address, names)) for names in (inputs, outputs)]
@@ -425,13 +425,13 @@ class ModelInstance(Plant):
 
     def save(self) -> bytes:
         """Return the bit-exact state: name of the model, a digit for started, hash of the build, records."""
-        return self._head(self.started) + b"".join(bytes(record) for record in self._records[:5])
+        return self._header(self.started) + b"".join(bytes(record) for record in self._records[:5])
 
-    def _head(self, started: bool) -> bytes:
+    def _header(self, started: bool) -> bytes:
         return f"{self.model.name}{int(started)}{self.model.source_hash}".encode()
 
     def restore(self, saved: bytes, must_be_started: bool = False) -> None:
-        """Restore a state of save.
+        """Restore a state that save has returned.
 
         Args:
             saved: the state.
@@ -440,15 +440,15 @@ class ModelInstance(Plant):
         Raises:
             ParameterError: the state is not from this build, is damaged, or was saved before the start.
         """
-        start = len(self._head(False))
+        start = len(self._header(False))
         size = start + sum(ctypes.sizeof(record) for record in self._records[:5])
         if len(saved) != size:
             raise ParameterError(
                 f"the state must be saved by this build, with {size} bytes (got {len(saved)} bytes)"
             )
-        started = saved.startswith(self._head(True))
-        if not started and not saved.startswith(self._head(False)):
-            raise ParameterError(NO_STATE)
+        started = saved.startswith(self._header(True))
+        if not started and not saved.startswith(self._header(False)):
+            raise ParameterError(INVALID_STATE)
         parts = {}
         for name, record in zip("pduxy", self._records, strict=False):
             parts[name] = type(record).from_buffer_copy(saved, start)
@@ -458,7 +458,7 @@ class ModelInstance(Plant):
         # an index or a choice out of its range would crash the kernel
         is_valid = all(bound.accepts(parts[bound.record].numbers[bound.place]) for bound in self.model.bounds)
         if not is_valid or (started and self.model.range_errors(parts["p"])):
-            raise ParameterError(NO_STATE)
+            raise ParameterError(INVALID_STATE)
         self.load_kernel()
         if started:
             parts["d"] = self._recalculated(parts["p"], parts["d"])
@@ -471,13 +471,13 @@ class ModelInstance(Plant):
 
         The kernel relies on them, so the saved ones are not trusted.
         """
-        trial = type(self)("plain" if self._compiled is None else "compiled")
-        trial.load_kernel()
-        _copy(trial.parameters, parameters)
-        _copy(trial.derived, derived)
-        if trial.call(codes.CHECK, 0.0) != codes.OK:
-            raise ParameterError(NO_STATE)
-        return trial.derived
+        copy = type(self)("plain" if self._compiled is None else "compiled")
+        copy.load_kernel()
+        _copy(copy.parameters, parameters)
+        _copy(copy.derived, derived)
+        if copy.call(codes.CHECK, 0.0) != codes.OK:
+            raise ParameterError(INVALID_STATE)
+        return copy.derived
 
     def snapshot(self) -> dict[str, float]:
         """Return the values of all variables by name."""
@@ -518,14 +518,16 @@ class Module(ModelInstance):
         stored[:] = [type(self.derived).from_buffer_copy(self.derived)]
 
     def start_steady(self, period: float, **values: float | str) -> Self:
-        """Start in the periodic orbit with the output held at omega_out_start; means are over a period.
+        """Start in the periodic orbit with the output held at omega_out_start.
+
+        The means and maxima of the last step then are over one period.
 
         Args:
-            period: angle of the pinion shaft, rad, after which the motion repeats; means are over it.
-            values: as of start.
+            period: angle of the pinion shaft after which the motion repeats, rad.
+            values: parameters and inputs by name, as in start.
 
         Raises:
-            ParameterError: the parameters cannot be, or there is no periodic orbit.
+            ParameterError: the parameters are invalid, or there is no periodic orbit.
         """
         self._prepare(values)
         self._check(self.call(codes.STEADY, period), period)

@@ -50,11 +50,11 @@ def opened(built, tmp_path_factory):
     """Return a function that gives description and folder of an FMU, unpacked once."""
 
     @functools.cache
-    def of(identifier):
+    def open_once(identifier):
         folder = extract(str(built / f"{identifier}.fmu"), str(tmp_path_factory.mktemp(identifier)))
         return read_model_description(folder), Path(folder)
 
-    return of
+    return open_once
 
 
 @pytest.fixture(scope="session")
@@ -76,19 +76,22 @@ class Instance:
         self.causalities = {v.name: v.causality for v in description.modelVariables}
         self.is_native = not description.modelName.endswith("Py")
         self.is_fmi3 = description.fmiVersion == "3.0"
-        of_enumerations = "Int64" if self.is_fmi3 else "Integer"
+        enumeration_type = "Int64" if self.is_fmi3 else "Integer"
         self.calls = {
-            v.name: of_enumerations if v.type == "Enumeration" else v.type for v in description.modelVariables
+            v.name: enumeration_type if v.type == "Enumeration" else v.type
+            for v in description.modelVariables
         }
         self.log = Log()
-        logged = {"logMessage": self.log.take} if self.is_fmi3 else {"callbacks": callbacks_of(self.log)}
+        log_arguments = (
+            {"logMessage": self.log.take} if self.is_fmi3 else {"callbacks": callbacks_of(self.log)}
+        )
         self.fmu = (Slave if self.is_fmi3 else FMU2Slave)(
             guid=description.guid,
             unzipDirectory=str(folder),
             modelIdentifier=description.coSimulation.modelIdentifier,
             instanceName="instance",
         )
-        self.fmu.instantiate(loggingOn=True, **logged, **modes)
+        self.fmu.instantiate(loggingOn=True, **log_arguments, **modes)
         self.time = 0.0
 
     def set(self, **values):
@@ -156,7 +159,7 @@ class Instance:
             direction,
         )
 
-    def refusal(self, action, expected=fmi2Error):
+    def rejection(self, action, expected=fmi2Error):
         """Return the message of a rejected action with an error or another expected status."""
         status = None
         self.log.warnings.clear()
@@ -177,14 +180,14 @@ class Instance:
 @pytest.fixture
 def instances_of(opened):
     """Return a function that makes instances of an FMU, and free them after the test."""
-    made = []
+    instances = []
 
     def make(identifier, **modes):
-        made.append(Instance(*opened(identifier), **modes))
-        return made[-1]
+        instances.append(Instance(*opened(identifier), **modes))
+        return instances[-1]
 
     yield make
-    for instance in made:
+    for instance in instances:
         instance.close()
 
 

@@ -226,7 +226,7 @@ def test_python_fmu_of_another_source_is_not_current(built, monkeypatch):
 def test_platform_follows_from_the_names_of_systems(monkeypatch, system, processor, folder):
     monkeypatch.setattr(targets.sys, "platform", system)
     monkeypatch.setattr(targets.platform, "machine", lambda: processor)
-    assert targets.here().folder == folder
+    assert targets.host_target().folder == folder
 
 
 @pytest.mark.parametrize("missing, options", [("ziglang", []), ("ziglang", ["--json"])])

@@ -142,7 +142,7 @@ def test_a_damaged_copy_is_replaced(fmu, place, damage):
 def test_removed_copy_is_made_again(fmu, place):
     Fmu(fmu).close()
     (folder,) = place.iterdir()
-    copies._remove(folder)
+    copies._remove_copy(folder)
     Fmu(fmu).close()
     assert names(place) == [folder.name]
 

@@ -255,4 +255,4 @@ def test_absurd_rates_are_discarded(instance, name, rate):
 def test_missing_derivatives_are_rejected(instance, call, words):
     instance.start(**START)
     instance.step(0.01)
-    assert words in instance.refusal(lambda: call(instance))
+    assert words in instance.rejection(lambda: call(instance))

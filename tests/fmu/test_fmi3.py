@@ -183,12 +183,12 @@ def test_intermediate_update_reports_every_switch_without_changing_the_run(insta
     def update(_, time, set_requested, get_allowed, finished, can_return, __, ___):
         assert (bool(set_requested), bool(get_allowed), bool(can_return)) == (False, True, False)
         assert holder[0].fmu.getFloat64([holder[0].clock]) == [time]
-        message = holder[0].refusal(lambda: holder[0].set(omega1=50.0))
+        message = holder[0].rejection(lambda: holder[0].set(omega1=50.0))
         assert (
             message
             == "setting omega1 is allowed only between steps (the instance is in an intermediate update)"
         )
-        message = holder[0].refusal(holder[0].fmu.terminate)
+        message = holder[0].rejection(holder[0].fmu.terminate)
         assert (
             message == "terminate is allowed only between steps (the instance is in an intermediate update)"
         )
@@ -243,28 +243,28 @@ def test_adjoint_derivatives_are_the_transposed_of_the_directional_ones(instance
     for seed in ([1.0, 0.0, 0.0], [0.3, -2.0, 5.0]):
         adjoint = instance.fmu.getAdjointDerivative(unknowns, knowns, seed, nSensitivity=2)
         assert adjoint == pytest.approx(columns @ seed, rel=1e-12)
-    instance.refusal(lambda: instance.fmu.getAdjointDerivative(knowns, unknowns, [1.0, 1.0]), fmi3Error)
+    instance.rejection(lambda: instance.fmu.getAdjointDerivative(knowns, unknowns, [1.0, 1.0]), fmi3Error)
 
 
 @pytest.mark.parametrize("event_mode", [False, True])
 def test_modes_follow_each_other_in_order_only(instances, event_mode):
     instance = started(instances, event_mode=event_mode, **R1)
-    assert "is allowed only in event mode" in instance.refusal(instance.fmu.enterStepMode)
-    assert "is allowed only in event mode" in instance.refusal(instance.fmu.updateDiscreteStates)
+    assert "is allowed only in event mode" in instance.rejection(instance.fmu.enterStepMode)
+    assert "is allowed only in event mode" in instance.rejection(instance.fmu.updateDiscreteStates)
     if not event_mode:
-        assert "with eventModeUsed = true" in instance.refusal(instance.fmu.enterEventMode)
+        assert "with eventModeUsed = true" in instance.rejection(instance.fmu.enterEventMode)
         return
     instance.fmu.enterEventMode()
-    message = instance.refusal(lambda: instance.fmu.doStep(0.0, 0.01))
+    message = instance.rejection(lambda: instance.fmu.doStep(0.0, 0.01))
     assert message == "doStep is allowed only in step mode (the instance is in event mode)"
-    instance.refusal(lambda: instance.set(output_friction=-1.0), fmi3Discard)
+    instance.rejection(lambda: instance.set(output_friction=-1.0), fmi3Discard)
 
 
 def test_unsupported_functions_are_rejected_by_name(instance):
     instance.start(**R1)
     fmu = instance.fmu
-    assert "no variables of type Float32" in instance.refusal(lambda: fmu.getFloat32([0]))
-    assert "EvaluateDiscreteStates is not supported" in instance.refusal(
+    assert "no variables of type Float32" in instance.rejection(lambda: fmu.getFloat32([0]))
+    assert "EvaluateDiscreteStates is not supported" in instance.rejection(
         lambda: fmu.fmi3EvaluateDiscreteStates(fmu.component)
     )
-    assert "the number of values must be 1, " in instance.refusal(lambda: fmu.getFloat64([0], nValues=2))
+    assert "the number of values must be 1, " in instance.rejection(lambda: fmu.getFloat64([0], nValues=2))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from refused import REFUSED, assert_refused, refusal
+from rejected import REJECTED, assert_rejected, rejection
 
 from inertia_module.common.errors import FmuError
 from inertia_module.fmi.simulate import Fmu, simulate_fmu
@@ -23,7 +23,7 @@ def fmu(fmu_path):
 def test_invalid_state_is_rejected_and_the_run_continues(fmu):
     before = fmu.save()
     for junk in (b"junk", b"", bytes(19232), "junk", None, 7):
-        assert "state" in refusal(fmu.restore, junk, 5.0)
+        assert "state" in rejection(fmu.restore, junk, 5.0)
         assert fmu.time == pytest.approx(0.01)
         assert fmu.save() == before
     fmu.advance(0.01)
@@ -31,17 +31,17 @@ def test_invalid_state_is_rejected_and_the_run_continues(fmu):
 
 
 def test_state_of_another_instance_is_rejected_and_an_unused_state_is_freed(fmu, fmu_path):
-    kept, forgotten = fmu.get_state(), fmu.get_state()
-    state = forgotten.state
-    assert state.value
-    del forgotten
-    assert not state.value
+    saved, unused = fmu.get_state(), fmu.get_state()
+    pointer = unused.state
+    assert pointer.value
+    del unused
+    assert not pointer.value
     with Fmu(fmu_path, inputs=R1) as other:
-        left = other.get_state()  # The state is freed with the instance.
-        for wrong in (left, None):
-            assert "a state must be from get_state of this instance" in refusal(fmu.set_state, wrong)
+        foreign = other.get_state()  # The state is freed with the instance.
+        for invalid in (foreign, None):
+            assert "a state must be from get_state of this instance" in rejection(fmu.set_state, invalid)
     fmu.advance(0.01)
-    fmu.set_state(kept)
+    fmu.set_state(saved)
     assert fmu.time == pytest.approx(0.01)
     fmu.advance(0.01)
 
@@ -66,7 +66,7 @@ def test_closed_instance_raises_an_error(fmu_path):
     fmu.close()
     fmu.close()
     for use in USES:
-        assert f"{fmu_path.name} is closed" in refusal(use, fmu)
+        assert f"{fmu_path.name} is closed" in rejection(use, fmu)
 
 
 # --- values ---
@@ -94,15 +94,15 @@ def test_values_may_have_units_and_names(fmu_path):
 
 @pytest.mark.parametrize(
     "name, value, words",
-    [*REFUSED["values"], ("imbalance_mass", None, "must be a number in kg.* .got None.")],
+    [*REJECTED["values"], ("imbalance_mass", None, "must be a number in kg.* .got None.")],
 )
 def test_invalid_value_is_rejected_by_name(fmu_path, name, value, words):
-    assert_refused(f"^{name} {words}", Fmu, fmu_path, {name: value})
+    assert_rejected(f"^{name} {words}", Fmu, fmu_path, {name: value})
 
 
 @pytest.mark.parametrize("bad", [{"omega2_": 1.0}, {"load_torque": "10 rpm"}])
 def test_no_value_is_set_if_any_value_is_invalid(fmu, bad):
-    refusal(fmu.set, omega1=7.0, **bad)
+    rejection(fmu.set, omega1=7.0, **bad)
     assert fmu["omega1"] == 100.0
 
 
@@ -119,7 +119,7 @@ def test_a_text_or_an_array_is_no_number_and_is_named(fmu, changes, words):
     for name, value in changes.items():
         setattr(fmu.variables["omega1"], name, value)
     for use in (lambda: fmu["omega1"], lambda: fmu.set(omega1="x"), lambda: fmu.jacobian("omega2", "omega1")):
-        assert refusal(use) == f"{fmu.path.name}: omega1 must be a number (got {words})"
+        assert rejection(use) == f"{fmu.path.name}: omega1 must be a number (got {words})"
 
 
 # --- a whole run from a table ---
@@ -132,7 +132,7 @@ def test_stop_time_far_below_the_step_is_a_single_step(fmu_path, stop_time):
 
 def test_run_with_too_many_steps_is_rejected_before_memory_is_allocated(fmu_path):
     words = r"step must be at least 1 s, for at most 100,000,000 steps \(got 1e-12\)$"
-    assert_refused(words, simulate_fmu, fmu_path, R1, 1e8, 1e-12)
+    assert_rejected(words, simulate_fmu, fmu_path, R1, 1e8, 1e-12)
 
 
 def run(fmu_path, inputs, **more):
@@ -147,18 +147,18 @@ def test_columns_in_other_units_run_as_in_si(fmu_path, tmp_path):
             ".", ","
         )
     )
-    found = run(fmu_path, tmp_path / "rig.csv")
-    assert found.units["omega1"] == "rad/s"
+    result = run(fmu_path, tmp_path / "rig.csv")
+    assert result.units["omega1"] == "rad/s"
     for name in expected:
-        assert found[name] == pytest.approx(expected[name], rel=1e-9, abs=1e-9)
+        assert result[name] == pytest.approx(expected[name], rel=1e-9, abs=1e-9)
     again = run(fmu_path, {"omega1": "955 rpm", "load_torque": 4.0})
     assert again["omega1"][0] == pytest.approx(955.0 * np.pi / 30.0)
 
 
-@pytest.mark.parametrize("heading, words", REFUSED["headings"])
+@pytest.mark.parametrize("heading, words", REJECTED["headings"])
 def test_ambiguous_column_is_rejected(fmu_path, tmp_path, heading, words):
     (tmp_path / "rig.csv").write_text(f"time,{heading}\n0,1\n1,2\n")
-    assert_refused(words, run, fmu_path, tmp_path / "rig.csv")
+    assert_rejected(words, run, fmu_path, tmp_path / "rig.csv")
 
 
 def test_measured_columns_are_part_of_the_result(fmu_path, tmp_path):
@@ -191,11 +191,11 @@ def test_unknown_columns_are_ignored_with_a_warning(fmu_path, tmp_path):
     assert table["omega1"] == pytest.approx(expected["omega1"], rel=1e-3)
     assert table["load_torque"] == pytest.approx(4.0)
     (tmp_path / "rig.csv").write_text("# rig\ntime,omega1,load_torque\n0,100,4\n0.05,,4\n")
-    assert_refused(
+    assert_rejected(
         r"rig\.csv line 4: omega1 must be a finite number \(got ''\)$", run, fmu_path, tmp_path / "rig.csv"
     )
     # Tables in memory reject unknown names, unlike files.
-    assert_refused("unknown input or output 'note'", run, fmu_path, {"omega1": 100.0, "note": 1.0})
+    assert_rejected("unknown input or output 'note'", run, fmu_path, {"omega1": 100.0, "note": 1.0})
 
 
 def test_times_outside_the_run_are_rejected_or_cause_a_warning(fmu_path, tmp_path):
@@ -203,8 +203,8 @@ def test_times_outside_the_run_are_rejected_or_cause_a_warning(fmu_path, tmp_pat
     words = (
         r"times of .*rig\.csv must be within the run, 0 to 0\.05 s \(got 1700000000 to .* seconds since 1970"
     )
-    assert_refused(words, run, fmu_path, tmp_path / "rig.csv")
-    assert_refused("times of inputs must be", run, fmu_path, {"time": [7.0, 8.0], "omega1": [100.0, 101.0]})
+    assert_rejected(words, run, fmu_path, tmp_path / "rig.csv")
+    assert_rejected("times of inputs must be", run, fmu_path, {"time": [7.0, 8.0], "omega1": [100.0, 101.0]})
     with pytest.warns(UserWarning, match="uses less than 1 % of this range: name their unit, such as ms"):
         run(fmu_path, {"time": [0.0, 50.0], "omega1": [100.0, 101.0]})
 
@@ -219,7 +219,7 @@ def test_two_rows_of_the_same_time_are_a_step(fmu_path, tmp_path):
 @pytest.mark.parametrize("name, value", [("stop_time", 0.0), ("step", -0.1), ("step", float("nan"))])
 def test_run_without_duration_is_rejected(fmu_path, name, value):
     times = {"stop_time": 1.0, "step": 0.1, name: value}
-    assert_refused(
+    assert_rejected(
         rf"{name} must be a positive number of seconds \(got {value}\)", simulate_fmu, fmu_path, R1, **times
     )
 

@@ -14,8 +14,8 @@ from fmpy.fmi2 import FMU2Slave, fmi2CallbackLoggerTYPE, fmi2Discard, fmi2Error,
 from inertia_module.fmi.instance import Fmu
 from inertia_module.fmi.loading import Log, callbacks_of
 from inertia_module.fmu import builder, python_fmu
-from inertia_module.fmu.slave import HEAD_SIZE
-from inertia_module.model import NO_STATE, Module
+from inertia_module.fmu.slave import HEADER_SIZE
+from inertia_module.model import INVALID_STATE, Module
 from tests.system.programs import process
 
 from .conftest import R1
@@ -227,10 +227,10 @@ def test_a_forged_number_of_a_state_is_no_index_and_no_choice(instance):
         instance.step(0.1)
         before, good = instance.all_values(), instance.saved()
         for value in (-1.0, 0.5, 65.0, 1e9, -1e9, 1e300, math.nan, math.inf):
-            memory.restore(good[HEAD_SIZE:])
+            memory.restore(good[HEADER_SIZE:])
             setattr(attrgetter(record)(memory), name, value)
-            forged = good[:HEAD_SIZE] + memory.save()
-            message = instance.refusal(lambda state=forged: instance.restore(state))
+            forged = good[:HEADER_SIZE] + memory.save()
+            message = instance.rejection(lambda state=forged: instance.restore(state))
             assert "must be saved by this build (it is damaged" in message, f"{name} = {value}"
             assert instance.all_values() == before, f"{name} = {value}"
         assert not instance.is_discarded(0.1), name
@@ -239,11 +239,11 @@ def test_a_forged_number_of_a_state_is_no_index_and_no_choice(instance):
 def test_forged_or_early_state_is_rejected_without_effect(instances):
     fresh, running = instances(), instances().start(omega1=100.0)
     for state, byte, value, words in (
-        *((running.saved(), *forged, NO_STATE) for forged in ((0, 5), (0, 255), (17, 200), (20, 255))),
+        *((running.saved(), *forged, INVALID_STATE) for forged in ((0, 5), (0, 255), (17, 200), (20, 255))),
         (fresh.saved(), 0, 2, "must be saved after the start"),  # a forged flag: initialised
     ):
         changed = bytes([*state[:byte], value, *state[byte + 1 :]])
-        assert running.refusal(partial(running.restore, changed)).endswith(words)
+        assert running.rejection(partial(running.restore, changed)).endswith(words)
         assert not running.is_discarded(0.1)
 
 
@@ -301,7 +301,7 @@ def test_a_state_of_another_instance_is_an_error(instances):
     state = second.fmu.getFMUstate()
     words = "a state must be saved by this instance and not yet freed"
     uses = (first.fmu.setFMUstate, first.fmu.serializeFMUstate, first.fmu.freeFMUstate)
-    assert [first.refusal(partial(use, state)) for use in uses] == 3 * [words]
+    assert [first.rejection(partial(use, state)) for use in uses] == 3 * [words]
     second.fmu.setFMUstate(state)
 
 

@@ -26,7 +26,7 @@ from inertia_module.fmi.simulate import simulate_fmu
 from inertia_module.fmu.native_fmu import METADATA
 from inertia_module.interface.models import MODELS
 from verification import compatibility
-from verification.reference.experiments import CARRIED, files, package_folder
+from verification.reference.experiments import LS_REF_FOLDER, files, package_folder
 
 FLAVOURS = ("InertiaModule", "InertiaModule3", "DrivenShaft3")
 
@@ -37,10 +37,10 @@ def changed(path, folder, case):
     with zipfile.ZipFile(path) as old, zipfile.ZipFile(copy, "w") as new:
         for name in old.namelist():
             content = old.read(name)
-            if CARRIED in name:
+            if LS_REF_FOLDER in name:
                 for pattern, text in case.get("changes", {}).items():
                     content = re.sub(pattern.encode(), text.encode(), content)
-            if case.get("gone", "nothing") not in name:
+            if case.get("removed", "nothing") not in name:
                 new.writestr(name, content)
     return copy
 
@@ -49,42 +49,48 @@ def test_results_of_an_fmu_agree_with_its_references(fmu_path):
     report = examine(fmu_path, Journal())
     assert report.problems == [] == report.warnings
     assert len(report.references) == (6 if "Shaft" in fmu_path.name else 22)
-    assert max(one.deviation / one.allowed for one in report.references) < 0.1
+    assert max(result.deviation / result.allowed for result in report.references) < 0.1
 
 
 def test_files_of_manifest_and_metadata_exist(unpacked):
-    for file in (unpacked / CARRIED / "fmi-ls-manifest.xml", unpacked / METADATA):
-        named = etree.parse(file).xpath("//@source | //@*[local-name() = 'href']")
-        beside = [name for name in named if "://" not in name]
-        assert len(beside) >= 2
-        assert all((file.parent / name).is_file() for name in beside)
+    for file in (unpacked / LS_REF_FOLDER / "fmi-ls-manifest.xml", unpacked / METADATA):
+        links = etree.parse(file).xpath("//@source | //@*[local-name() = 'href']")
+        local_files = [name for name in links if "://" not in name]
+        assert len(local_files) >= 2
+        assert all((file.parent / name).is_file() for name in local_files)
 
 
 @pytest.mark.parametrize("model", MODELS.values(), ids=lambda model: model.name)
 def test_references_in_the_fmu_are_up_to_date(model, tmp_path):
-    made, kept = files(model), package_folder(model)
-    assert {kept / name for name in made} == {path for path in kept.rglob("*") if path.is_file()}
-    for name, content in made.items():
+    computed, folder = files(model), package_folder(model)
+    assert {folder / name for name in computed} == {path for path in folder.rglob("*") if path.is_file()}
+    for name, content in computed.items():
         if name.endswith("_ref.csv"):
             (tmp_path / "now.csv").write_bytes(content)
-            now, then = (Result.from_csv(path) for path in (tmp_path / "now.csv", kept / name))
-            assert now.names == then.names
-            for column in now:
-                np.testing.assert_allclose(now[column], then[column], rtol=2e-8, atol=1e-7)
+            computed_table, package_table = (
+                Result.from_csv(path) for path in (tmp_path / "now.csv", folder / name)
+            )
+            assert computed_table.names == package_table.names
+            for column in computed_table:
+                np.testing.assert_allclose(
+                    computed_table[column], package_table[column], rtol=2e-8, atol=1e-7
+                )
         else:
-            assert content == (kept / name).read_bytes(), name
+            assert content == (folder / name).read_bytes(), name
 
 
-CARRIED_BY_OTHERS = tomllib.loads(Path(__file__).with_name("carried.toml").read_text(encoding="utf-8"))
+CHANGED_REFERENCES = tomllib.loads(
+    Path(__file__).with_name("changed_references.toml").read_text(encoding="utf-8")
+)
 
 
-@pytest.mark.parametrize("case", CARRIED_BY_OTHERS)
+@pytest.mark.parametrize("case", CHANGED_REFERENCES)
 def test_references_of_other_fmus_are_checked(built, tmp_path, case):
-    told = CARRIED_BY_OTHERS[case].get("told", [])
-    path = changed(built / "InertiaModule.fmu", tmp_path, CARRIED_BY_OTHERS[case])
+    messages = CHANGED_REFERENCES[case].get("messages", [])
+    path = changed(built / "InertiaModule.fmu", tmp_path, CHANGED_REFERENCES[case])
     problems = examine(path, Journal()).problems
-    assert bool(problems) == bool(told)
-    for words in told:
+    assert bool(problems) == bool(messages)
+    for words in messages:
         assert any(words in problem for problem in problems), problems
     assert not any("R1_ref: omega" in problem for problem in problems)
 
@@ -135,16 +141,16 @@ def test_fmusim_reproduces_the_references_of_an_fmu(built, opened, tmp_path, ide
         pytest.skip("fmusim is not installed")
     folder = opened(identifier)[1]
     variables = {v.name: v for v in read_description(built / f"{identifier}.fmu").modelVariables}
-    for one in experiments(folder):
-        expected, given = read_table(folder, one.results, variables), one.settings
-        command = [fmusim, "--interface-type", "cs", "--stop-time", given["stopTime"]]
-        command += ["--output-interval", given["stepSize"], "--tolerance", given["tolerance"]]
-        for name, value in one.parameters.items():
+    for experiment in experiments(folder):
+        expected, settings = read_table(folder, experiment.results, variables), experiment.settings
+        command = [fmusim, "--interface-type", "cs", "--stop-time", settings["stopTime"]]
+        command += ["--output-interval", settings["stepSize"], "--tolerance", settings["tolerance"]]
+        for name, value in experiment.parameters.items():
             command += ["--start-value", name, str(value).split()[0].removesuffix(".0")]
-        command += ["--input-file", one.inputs, "--output-file", tmp_path / "out.csv"]
+        command += ["--input-file", experiment.inputs, "--output-file", tmp_path / "out.csv"]
         for name in expected.columns:
             command += ["--output-variable", name]
         subprocess.run([*command, built / f"{identifier}.fmu"], check=True)
         recorded = read_table(tmp_path, tmp_path / "out.csv", variables)
-        for found in deviations(one, expected, recorded):
-            assert found.deviation <= found.allowed, found
+        for result in deviations(experiment, expected, recorded):
+            assert result.deviation <= result.allowed, result

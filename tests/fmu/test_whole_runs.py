@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
-from refused import assert_refused, refusal
+from rejected import assert_rejected, rejection
 
 from inertia_module.common.errors import FmuError, InertiaModuleError
 from inertia_module.fmi import instance
@@ -87,7 +87,7 @@ def test_steps_are_logged_and_progress_is_reported(fmu_path):
 def test_run_that_fails_in_the_middle_equals_a_loop_of_steps(twins, name, bad):
     inputs = {name: np.where(np.arange(300) == 200, bad, RISING.get(name, np.zeros(300)))}
     first, second = twins()
-    message, looped = (refusal(run, plant, inputs) for plant in (first, by_loop(second)))
+    message, looped = (rejection(run, plant, inputs) for plant in (first, by_loop(second)))
     assert first.save() == second.save()
     when = "at time 0.133333333 s: " if isinstance(first, Fmu) else ""
     assert message.startswith(f"{when}{name} must be ")
@@ -101,25 +101,25 @@ def test_run_that_fails_in_the_middle_equals_a_loop_of_steps(twins, name, bad):
 
 def test_unknown_names_and_closed_instances_are_rejected(fmu_path):
     with Fmu(fmu_path, inputs=R1) as fmu:
-        assert_refused("unknown variable 'omega7'", run, fmu, outputs=["omega7"])
+        assert_rejected("unknown variable 'omega7'", run, fmu, outputs=["omega7"])
         with pytest.raises(FmuError, match=r"must be an input or a parameter \(omega_out is calculated\)"):
             run(fmu, {"omega_out": np.zeros(300)})
-    assert_refused("is closed", run, fmu)
+    assert_rejected("is closed", run, fmu)
 
 
 @pytest.mark.parametrize("missing", [{"steps": 1, "lengths": None}, {"input_count": 1}, {"output_count": 1}])
 def test_null_pointers_are_rejected(fmu_path, missing):
-    asked = Run(np.ones(1), 0, np.empty((1, 0)), 0, np.empty((2, 0)))
+    request = Run(np.ones(1), 0, np.empty((1, 0)), 0, np.empty((2, 0)))
     for name, value in missing.items():
-        setattr(asked, name, value)
+        setattr(request, name, value)
     with Fmu(fmu_path, inputs=R1) as fmu:
         call = getattr(fmu._instance, instance.RUN)
-        for pointer in (byref(asked), None):
+        for pointer in (byref(request), None):
             with pytest.raises(FMICallException):
                 call(fmu._instance.component, pointer)
             assert "requires arrays that are not NULL" in fmu.messages.pop()
         with pytest.raises(FMICallException):
-            call(None, byref(asked))
+            call(None, byref(request))
         fmu.advance(0.01)
 
 

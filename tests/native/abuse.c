@@ -1,6 +1,6 @@
 /* Drives an FMU through random calls: abuse SEED CALLS. Ends with status 0 if all of them were survived in order.
  *
- * A refused call must change nothing that can be read; a status is one of four; and after all of it an
+ * A rejected call must change nothing that can be read; a status is one of four; and after all of it an
  * instance that is reset runs as a fresh one does, bit for bit.
  */
 #include "abuse.h"
@@ -85,7 +85,7 @@ static int act(const struct action *action, struct slot *slot, unsigned long sta
     if (watched && slot->c && answer.status >= fmi2Discard && strcmp(action->name, "revive") != 0) {
         take_snapshot(slot->c, &after);
         CHECK(is_same(&before, &after, stage == slot->stage) && states == slot->states,
-              "%s, refused in stage %d, changes %s: %s", action->name, stage, difference(&before, &after),
+              "%s, rejected in stage %d, changes %s: %s", action->name, stage, difference(&before, &after),
               slot->journal.last);
     }
     return 1;

@@ -271,7 +271,7 @@ int main(int count, char **arguments)
         CHECK(status <= fmi3Error && (instance || status == fmi3Error), "status %d", status);
         statuses[status]++;
         look(c, &after);
-        CHECK(status < fmi3Discard || memcmp(&before, &after, sizeof before) == 0, "a refused call changes a value");
+        CHECK(status < fmi3Discard || memcmp(&before, &after, sizeof before) == 0, "a rejected call changes a value");
         if (one_in(&chance, 500)) {
             fmi3FreeInstance(c);
             make();

@@ -92,7 +92,7 @@ static struct answer set_logging(struct slot *slot, fmi2Component c)
     const unsigned long before = slot->journal.messages;
     const fmi2String *const given = one_in(&chance, 50) ? NULL : categories;
     const fmi2Status status = fmi2SetDebugLogging(c, one_in(&chance, 2), count, given);
-    CHECK(!c || status != fmi2Error || slot->journal.messages > before, "a refusal is not told");
+    CHECK(!c || status != fmi2Error || slot->journal.messages > before, "a rejection is not reported");
     if (c && given && count > 0 && categories[0] == names[6])
         CHECK(strstr(slot->journal.last, "100%s%n%d"), "a message is not escaped: %s", slot->journal.last);
     return CALLED(status);

@@ -39,7 +39,7 @@ static struct answer save(struct slot *slot, fmi2Component c)
         return NO_CALL;
     status = fmi2GetFMUstate(c, &state);
     if (status != fmi2OK) {
-        CHECK(state == (kept ? kept->state : NULL), "a refused save changes the host's state");
+        CHECK(state == (kept ? kept->state : NULL), "a rejected save changes the host's state");
         return CALLED(status);
     }
     if (!kept)

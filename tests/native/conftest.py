@@ -113,8 +113,8 @@ class Workshop:
     def cross(self, target, program, *arguments):
         """Build a program for a target with the C compiler of ziglang, from C files of the tests."""
         words = [str(SOURCES / word) if word.endswith(".c") else word for word in arguments]
-        given = ["-target", target.compiler, *self.flags(), "-fno-sanitize=all", "tables.c", *words]
-        run_tool([*ZIG, "cc", *given, *target.libraries, "-o", program], self.folder)
+        options = ["-target", target.compiler, *self.flags(), "-fno-sanitize=all", "tables.c", *words]
+        run_tool([*ZIG, "cc", *options, *target.libraries, "-o", program], self.folder)
         return self.folder / program
 
 
@@ -123,17 +123,17 @@ def workshops(tmp_path_factory):
     """Return a function that makes the workshop of an FMU, or skips the test."""
     if (platform.system(), platform.machine()) != ("Linux", "x86_64"):
         pytest.skip("the test programs are made for Linux on x86-64")
-    made = {}
+    workshop_by_fmu = {}
 
-    def of(identifier):
-        if identifier not in made:
+    def workshop_of(identifier):
+        if identifier not in workshop_by_fmu:
             try:
-                made[identifier] = Workshop(FMUS[identifier], tmp_path_factory.mktemp(identifier))
+                workshop_by_fmu[identifier] = Workshop(FMUS[identifier], tmp_path_factory.mktemp(identifier))
             except CompilationError as reason:
                 pytest.skip(str(reason))
-        return made[identifier]
+        return workshop_by_fmu[identifier]
 
-    return of
+    return workshop_of
 
 
 @pytest.fixture(scope="session", params=FMUS)
@@ -151,8 +151,8 @@ def representative_workshop(request, workshops):
 @pytest.fixture(scope="session")
 def windows(tmp_path_factory):
     """Return a function that runs a program for Windows with its files in a separate folder."""
-    found = (shutil.which(name) for name in ("wine64", "wine", "/usr/lib/wine/wine64"))
-    command = next(filter(None, found), None)
+    commands = (shutil.which(name) for name in ("wine64", "wine", "/usr/lib/wine/wine64"))
+    command = next(filter(None, commands), None)
     if command is None:
         pytest.skip("wine is not installed")
     settings = {

@@ -33,7 +33,7 @@ static void log_message(fmi3InstanceEnvironment environment, fmi3Status status, 
                                 category, "%s", message);
 }
 
-/* What a host may do in an intermediate update, and what is refused there. */
+/* What a host may do in an intermediate update, and what is rejected there. */
 static void look(fmi3InstanceEnvironment environment, fmi3Float64 time, fmi3Boolean set_requested,
                  fmi3Boolean get_allowed, fmi3Boolean finished, fmi3Boolean can_return, fmi3Boolean *early_return,
                  fmi3Float64 *early_return_time)
@@ -102,7 +102,7 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t c
 }
 
 /* The state before a call that is undone if it fails, for FMI 2.0 knows it as one. No part of what is tested: memory
- * is never refused for it, and not counted.
+ * is never rejected for it, and not counted.
  */
 static fmi3FMUState before(fmi3Instance c)
 {
@@ -371,7 +371,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2Value
     return (fmi2Status)status;
 }
 
-/* There is no such call in FMI 3.0, but others that are refused in any phase. */
+/* There is no such call in FMI 3.0, but others that are rejected in any phase. */
 fmi2Status fmi2CancelStep(fmi2Component component)
 {
     static unsigned turn;

@@ -54,7 +54,7 @@ static int is_taken(fmi2Component c, const struct state *state)
 {
     fmi2FMUstate saved = NULL;
     if (fmi2DeSerializeFMUstate(c, state->bytes, state->size, &saved) != fmi2OK) {
-        CHECK(!saved, "a refused state is made");
+        CHECK(!saved, "a rejected state is made");
         return 0;
     }
     CHECK(fmi2SetFMUstate(c, saved) == fmi2OK && fmi2FreeFMUstate(c, &saved) == fmi2OK, "a state is taken");

@@ -5,7 +5,7 @@
 
 #define STEPS 2000
 
-/* Values set and read and steps taken, refused ones among them, with their messages and a log of every step. */
+/* Values set and read and steps taken, rejected ones among them, with their messages and a log of every step. */
 static void use(fmi2Component c, struct journal *journal)
 {
     const fmi2String every_step = "logSteps";

@@ -140,11 +140,13 @@ def by_library(fmu, opened, values, events):
     return rows
 
 
-def deviation(here, there):
+def deviation(library_rows, component_rows):
     """Return the largest deviation relative to the largest value of the output."""
-    assert len(here) == len(there) >= STEPS
-    largest = np.abs(here).max(axis=0)
-    return (np.abs(np.subtract(here, there)).max(axis=0) / np.where(largest > 0.0, largest, 1.0)).max()
+    assert len(library_rows) == len(component_rows) >= STEPS
+    largest = np.abs(library_rows).max(axis=0)
+    return (
+        np.abs(np.subtract(library_rows, component_rows)).max(axis=0) / np.where(largest > 0.0, largest, 1.0)
+    ).max()
 
 
 @pytest.fixture(scope="session")
@@ -159,11 +161,11 @@ def test_component_in_wasmtime_agrees_with_the_library(
     identifier, run, events, contents, opened, record_testsuite_property
 ):
     fmu, values = FMUS[identifier], RUNS[identifier][run]
-    there = by_component(fmu, contents[identifier], values, events)
-    found = deviation(by_library(fmu, opened, values, events), there)
-    record_testsuite_property(f"deviation of {identifier} in wasmtime: {run}, events {events}", found)
-    assert found < RELATIVE
-    assert (len(there) > STEPS) == (events and run != "averaged")
+    component_rows = by_component(fmu, contents[identifier], values, events)
+    largest = deviation(by_library(fmu, opened, values, events), component_rows)
+    record_testsuite_property(f"deviation of {identifier} in wasmtime: {run}, events {events}", largest)
+    assert largest < RELATIVE
+    assert (len(component_rows) > STEPS) == (events and run != "averaged")
 
 
 def test_rejections_contain_complete_letters(contents):
@@ -252,7 +254,7 @@ def test_component_in_chromium_agrees_with_the_library(
     cases = [(RUNS[name][run], events) for name, run, events in CASES if name == identifier]
     (tmp_path / "fmu.wasm").write_bytes(contents[identifier])
     make.transpile(tmp_path / "fmu.wasm", tmp_path / "js")
-    given = {
+    page_arguments = {
         "code": (tmp_path / "js" / "fmu.js").read_text(),
         "modules": {
             path.name: base64.b64encode(path.read_bytes()).decode()
@@ -267,9 +269,9 @@ def test_component_in_chromium_agrees_with_the_library(
         ],
     }
     page = browser.new_page()
-    rows = page.evaluate((SOURCES / "component.js").read_text(), json.loads(json.dumps(given)))
+    rows = page.evaluate((SOURCES / "component.js").read_text(), json.loads(json.dumps(page_arguments)))
     page.close()
-    for (values, events), there in zip(cases, rows, strict=True):
-        found = deviation(by_library(fmu, opened, values, events), there)
-        record_testsuite_property(f"deviation of {identifier} in Chromium, events {events}", found)
-        assert found < RELATIVE
+    for (values, events), component_rows in zip(cases, rows, strict=True):
+        largest = deviation(by_library(fmu, opened, values, events), component_rows)
+        record_testsuite_property(f"deviation of {identifier} in Chromium, events {events}", largest)
+        assert largest < RELATIVE

@@ -62,7 +62,7 @@ def test_random_calls_of_fmi_3_in_any_order_pass_the_sanitizers(workshops, ident
 
 
 def test_rare_rejections(workshop):
-    run([workshop.build("refusals", "refusals.c", "host.c", "snapshot.c", flags=SANITIZERS)])
+    run([workshop.build("rejections", "rejections.c", "host.c", "snapshot.c", flags=SANITIZERS)])
 
 
 def test_unused_value_reference_is_a_harmless_error(representative_workshop, tmp_path):
@@ -76,7 +76,7 @@ def test_unused_value_reference_is_a_harmless_error(representative_workshop, tmp
     changed = replace(model, variables=variables, time=moved(model.time))
     workshop = Workshop(representative_workshop.fmu._replace(model=changed), tmp_path)
     run([workshop.build("gap", "gap.c", "host.c", flags=SANITIZERS), GAP + 1])
-    run([workshop.build("refusals", "refusals.c", "host.c", "snapshot.c", flags=SANITIZERS)])
+    run([workshop.build("rejections", "rejections.c", "host.c", "snapshot.c", flags=SANITIZERS)])
     run([workshop.build("abuse", *FILES, flags=SANITIZERS), 1, CALLS // 10])
 
 

@@ -40,5 +40,5 @@ def test_sources_compile_as_c99_without_warnings(identifier, tmp_path):
     fmu = FMUS[identifier]
     source = tmp_path / SOURCE
     source.write_bytes(source_files(fmu, fmu.guid(), lambda stage: None)[f"sources/{SOURCE}"])
-    given = ["-std=c99", "-O1", "-fsyntax-only", *STRICT, "-isystem", header_folder()]
-    assert run([system_compiler(), *given, source]) == ""
+    options = ["-std=c99", "-O1", "-fsyntax-only", *STRICT, "-isystem", header_folder()]
+    assert run([system_compiler(), *options, source]) == ""

@@ -94,19 +94,22 @@ def printed_rows(text):
 
 def deviations(identifier, opened, text):
     """Return the largest deviation of each scene from fmpy on this system, relative to the largest value."""
-    there = printed_rows(text)
-    assert set(there) == set(SCENES[identifier])
-    found = {}
+    rows_by_scene = printed_rows(text)
+    assert set(rows_by_scene) == set(SCENES[identifier])
+    result = {}
     # The integration error is at rounding level. It determines the sampling times of the peaks and the
     # number of steps.
-    hang = ("_peak", "energy_residual", "rhs_evaluations")
-    compared = [not label.endswith(hang) for label in outputs(identifier)]
+    excluded = ("_peak", "energy_residual", "rhs_evaluations")
+    compared = [not label.endswith(excluded) for label in outputs(identifier)]
     for name, settings in SCENES[identifier].items():
-        here = np.array(by_fmpy(opened, identifier, settings))
-        assert len(there[name]) == len(here) == STEPS + 1
-        largest, worst = np.abs(here).max(axis=0), np.abs(here - there[name]).max(axis=0)
-        found[name] = (worst / np.where(largest > OF_ZERO, largest, 1.0))[compared].max()
-    return found
+        reference = np.array(by_fmpy(opened, identifier, settings))
+        assert len(rows_by_scene[name]) == len(reference) == STEPS + 1
+        largest, difference = (
+            np.abs(reference).max(axis=0),
+            np.abs(reference - rows_by_scene[name]).max(axis=0),
+        )
+        result[name] = (difference / np.where(largest > OF_ZERO, largest, 1.0))[compared].max()
+    return result
 
 
 @pytest.fixture(scope="session")
@@ -129,26 +132,26 @@ def for_arm(workshop, library):
 def for_windows(workshop, _):
     """Build the program of the scenes for Windows, which starts at `begin` and requires only Windows."""
     functions = ("LoadLibraryA", "GetProcAddress", "GetStdHandle", "WriteFile", "ExitProcess")
-    system = import_library(WIN64, workshop.folder, "kernel32.dll", functions)
+    system_library = import_library(WIN64, workshop.folder, "kernel32.dll", functions)
     files = ("scenes.c", str(WITH_KERNEL / "windows.c"))
-    own = [*windows_headers(), windows_runtime(WIN64, workshop.folder)]
-    return workshop.cross(WIN64, "scenes.exe", "-Wl,-e,begin", *files, *own, system)
+    windows_files = [*windows_headers(), windows_runtime(WIN64, workshop.folder)]
+    return workshop.cross(WIN64, "scenes.exe", "-Wl,-e,begin", *files, *windows_files, system_library)
 
 
 @pytest.mark.parametrize(
-    "system, target, made", [("arm", LINUX_ARM, for_arm), ("windows", WIN64, for_windows)]
+    "system, target, build", [("arm", LINUX_ARM, for_arm), ("windows", WIN64, for_windows)]
 )
 @pytest.mark.parametrize("identifier", OF_FMI_2)
 def test_another_system_computes_the_same(
-    identifier, system, target, made, workshops, opened, request, record_testsuite_property
+    identifier, system, target, build, workshops, opened, request, record_testsuite_property
 ):
     runs, workshop = request.getfixturevalue(system), workshops(identifier)
     fmu, name = FMUS[identifier], f"{identifier}{target.suffix}"
     (workshop.folder / name).write_bytes(library(fmu, fmu.guid(), target, lambda stage: None))
     (workshop.folder / "scenes.h").write_text(header(identifier, name))
-    found = deviations(identifier, opened, runs(made(workshop, name)))
-    record_testsuite_property(f"deviations of {identifier} on {system}", found)
-    assert max(found.values()) < RELATIVE, found
+    largest = deviations(identifier, opened, runs(build(workshop, name)))
+    record_testsuite_property(f"deviations of {identifier} on {system}", largest)
+    assert max(largest.values()) < RELATIVE, largest
 
 
 # 64-bit ARM, and targets without a library: a 32-bit and a big-endian processor.
@@ -172,10 +175,10 @@ def test_the_sources_compute_the_same_on_any_processor(
     (tmp_path / "scenes.h").write_text(header(identifier, ""))
     files = [SOURCE, "tables.c", str(SOURCES / "scenes.c")]
     headers = [f"-I{folder}" for folder in (".", SHELL_FOLDER, WITH_KERNEL)]
-    given = ["-target", OTHERS[processor], "-static", "-std=c99", "-O1", "-fno-sanitize=all"]
+    options = ["-target", OTHERS[processor], "-static", "-std=c99", "-O1", "-fno-sanitize=all"]
     run_tool(
-        [*ZIG, "cc", *given, *headers, "-isystem", str(header_folder()), *files, "-o", "scenes"], tmp_path
+        [*ZIG, "cc", *options, *headers, "-isystem", str(header_folder()), *files, "-o", "scenes"], tmp_path
     )
-    found = deviations(identifier, opened, run([emulator, tmp_path / "scenes"]))
-    record_testsuite_property(f"deviations of the sources of {identifier} on {processor}", found)
-    assert max(found.values()) < RELATIVE, found
+    largest = deviations(identifier, opened, run([emulator, tmp_path / "scenes"]))
+    record_testsuite_property(f"deviations of the sources of {identifier} on {processor}", largest)
+    assert max(largest.values()) < RELATIVE, largest

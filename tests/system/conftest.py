@@ -12,7 +12,7 @@ import pytest
 
 from inertia_module.viewer.html import TEMPLATE
 from tests.system.chromium import COARSE, FLAGS, REFERENCE, SMALL, Opened
-from tests.system.programs import left
+from tests.system.programs import stdout_of
 
 
 @pytest.fixture(scope="module")
@@ -23,9 +23,9 @@ def browser():
     if chromium is None:
         pytest.skip("chromium is not installed")
     with playwright.sync_playwright() as driver:
-        found = driver.chromium.launch(executable_path=chromium, args=[*FLAGS])
-        yield found
-        found.close()
+        started = driver.chromium.launch(executable_path=chromium, args=[*FLAGS])
+        yield started
+        started.close()
 
 
 @pytest.fixture(scope="session")
@@ -38,7 +38,7 @@ def written(fmu, tmp_path_factory):
     def write(scene):
         path = folder / f"{Path(scene).stem}.html"
         if not path.exists():
-            left("view", scene, "-o", path, "--fmu", fmu)
+            stdout_of("view", scene, "-o", path, "--fmu", fmu)
         return path
 
     return write

@@ -96,8 +96,8 @@ def description(fmi=2, times="", variable="true", interface="CoSimulation", more
         "".join(f'<{kind} valueReference="{reference}"/>' for reference in range(2, 8))
         for kind in ("Output", "InitialUnknown")
     )
-    filled = {"outputs": outputs, "unknowns": unknowns}
-    return DESCRIPTION_3.format(interface=interface, more=more, experiment=experiment, **filled)
+    render = {"outputs": outputs, "unknowns": unknowns}
+    return DESCRIPTION_3.format(interface=interface, more=more, experiment=experiment, **render)
 
 
 def references(

@@ -19,10 +19,10 @@ DOCS = Path(__file__).parents[2] / "docs"
 ECOS_DEPENDENCY = "tbb"  # Ecos on Linux loads libtbb.so.12 from the libraries of the system.
 
 
-def command(*arguments, folder=None, of=app):
+def command(*arguments, folder=None, program=app):
     """Run a command in this process, in a folder."""
     with contextlib.chdir(folder or Path.cwd()):
-        return CliRunner().invoke(of, [str(argument) for argument in arguments])
+        return CliRunner().invoke(program, [str(argument) for argument in arguments])
 
 
 def succeeded(*arguments, **settings):
@@ -32,12 +32,12 @@ def succeeded(*arguments, **settings):
     return done
 
 
-def left(*arguments):
+def stdout_of(*arguments):
     """Return the output of a command that must succeed."""
     return succeeded(*arguments).stdout
 
 
-def is_one_line(done, *words):
+def assert_one_line_error(done, *words):
     """Check that a command failed with a single line that contains these words."""
     assert (done.exit_code, done.stderr.count("\n")) == (1, 1), done.stderr
     assert done.stderr.startswith("error: ")

@@ -20,7 +20,7 @@ from inertia_module.fmi.check import check_fmu
 from inertia_module.fmi.examination import examine
 from inertia_module.fmi.report import Journal
 from tests.system.foreign import DESCRIPTION, description, foreign_fmu, packed, references
-from tests.system.programs import command, is_one_line
+from tests.system.programs import assert_one_line_error, command
 
 # Time limits for checks that end and for checks that hang, s.
 ENOUGH, LITTLE = 60.0, 3.0
@@ -629,19 +629,21 @@ def test_invalid_fmu_is_an_error_in_a_line(tmp_path, cache):
         plain: "cannot read {}: no modelDescription.xml at the top level of the archive",
     }
     for path, words in cases.items():
-        is_one_line(command("check", path), f"error: {words.format(path)}")
+        assert_one_line_error(command("check", path), f"error: {words.format(path)}")
 
 
 def test_too_large_file_is_an_error_in_a_line(tmp_path, cache):
     path = tmp_path / "large.fmu"
     with path.open("wb") as stream:
         stream.truncate(archive.MAX_UNPACKED + 1)
-    is_one_line(command("check", path), "large.fmu must be an FMU of at most 1 GB (got 1 GB)")
+    assert_one_line_error(command("check", path), "large.fmu must be an FMU of at most 1 GB (got 1 GB)")
 
 
 def test_time_limit_is_a_quantity(tmp_path):
     for text in ("0", "-1 s", "a", "1 m", "inf"):
-        is_one_line(command("check", "a.fmu", "--timeout", text), "--timeout must be a number above 0 in s")
+        assert_one_line_error(
+            command("check", "a.fmu", "--timeout", text), "--timeout must be a number above 0 in s"
+        )
     with pytest.raises(FmuError, match=r"timeout must be a positive number of seconds \(got nan\)"):
         check_fmu(tmp_path, float("nan"))
     done = command("check", "-h")
@@ -650,4 +652,6 @@ def test_time_limit_is_a_quantity(tmp_path):
 
 def test_failed_start_of_a_process_is_an_error_in_a_line(tmp_path, cache, monkeypatch):
     monkeypatch.setattr(check, "__package__", "no_package")
-    is_one_line(command("check", packed(tmp_path / "a.fmu", [])), "cannot start the process of the check: ")
+    assert_one_line_error(
+        command("check", packed(tmp_path / "a.fmu", [])), "cannot start the process of the check: "
+    )

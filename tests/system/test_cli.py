@@ -12,13 +12,13 @@ import sys
 from pathlib import Path
 
 import pytest
-from refused import REFUSED
+from rejected import REJECTED
 from rich.console import Console
 from typer.main import get_command
 from typer.testing import CliRunner
 
 from inertia_module import PUBLIC, __version__
-from inertia_module.cli import app, options, scene_runs, show, studies
+from inertia_module.cli import app, options, print_part, scene_runs, studies
 from inertia_module.common.errors import InertiaModuleError
 from inertia_module.common.examples import examples
 from inertia_module.common.files import MAX_TEXT_SIZE
@@ -35,7 +35,7 @@ from inertia_module.scene.keys import AUTO
 from inertia_module.scene.summary_text import Summary
 from inertia_module.studies.order_result import BASES
 from tests.packed import with_words
-from tests.system.programs import command, is_one_line, process, succeeded
+from tests.system.programs import assert_one_line_error, command, process, succeeded
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 REFERENCE = str(EXAMPLES / "reference.toml")
@@ -69,11 +69,11 @@ def test_run_writes_only_table_summary_and_plot(tmp_path):
     table = (tmp_path / "out" / "table.csv").read_text().splitlines()
     assert table[0].startswith("time [s]")
     assert len(table) == 102
-    told = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert (told["inertia_module"], told["parameters"]) == (__version__, {})
-    assert told["units"]["omega_out_final"] == "rad/s"
-    assert told["summary"]["omega_out_final"] == pytest.approx(3.447176379, rel=1e-5)
-    assert told["summary"]["rhs_evaluations"] > 0
+    written = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert (written["inertia_module"], written["parameters"]) == (__version__, {})
+    assert written["units"]["omega_out_final"] == "rad/s"
+    assert written["summary"]["omega_out_final"] == pytest.approx(3.447176379, rel=1e-5)
+    assert written["summary"]["rhs_evaluations"] > 0
     assert (tmp_path / "out" / "plot.png").read_bytes().startswith(b"\x89PNG")
     title, speed = done.stdout.splitlines()[:2]
     assert re.fullmatch(r"R1: a bevel inertia module starts a flywheel +0\.1 s, rigid", title)
@@ -147,14 +147,14 @@ def test_mechanism_that_cannot_be_built_runs_with_a_warning(workshop, tmp_path):
 def test_tradeoff_of_a_scene_for_machines(tmp_path):
     arguments = ("--recommend", "1 %", "--set", 'run.outputs=["omega_out"]', "--json")
     done = succeeded("tradeoff", *SHORT, *arguments, "-o", tmp_path / "out", folder=tmp_path)
-    found = json.loads(done.stdout)
-    assert found["recommendation"]["chosen"]["error"] <= 0.01
-    assert found["recommendation"]["request"] == {"error": 0.01, "outputs": ["omega_out"]}
-    settings = {(row["fidelity"], row["method"], row["setting"]) for row in found["rows"]}
+    answer = json.loads(done.stdout)
+    assert answer["recommendation"]["chosen"]["error"] <= 0.01
+    assert answer["recommendation"]["request"] == {"error": 0.01, "outputs": ["omega_out"]}
+    settings = {(row["fidelity"], row["method"], row["setting"]) for row in answer["rows"]}
     assert {("averaged", "", "map"), ("rigid", "", "tolerance 1e-05")} <= settings
     rows = (tmp_path / "out" / "tradeoff.csv").read_text().splitlines()
-    assert len(rows) == len(found["rows"]) + 1
-    assert all(Path(file).stat().st_size > 500 for file in found["files"].values())
+    assert len(rows) == len(answer["rows"]) + 1
+    assert all(Path(file).stat().st_size > 500 for file in answer["files"].values())
 
 
 @pytest.mark.parametrize("fmu", FMUS, ids=lambda fmu: fmu.identifier)
@@ -212,10 +212,10 @@ def test_json_of_an_error_is_one_object_with_the_message(tmp_path, arguments, co
     assert command(*arguments, folder=tmp_path).stdout == ""
 
 
-@pytest.mark.parametrize("name, kind", [("FIDELITIES", "fidelity"), ("ANGLES", "reference angle")])
-def test_choices_of_an_option_are_the_names_of_the_package(name, kind):
-    names = {"fidelity": [*(item for item, *_ in ENUMERATIONS["Fidelity"]), AUTO], "reference angle": BASES}
-    assert getattr(options if name == "FIDELITIES" else studies, name) == tuple(names[kind])
+def test_choices_of_an_option_are_the_names_of_the_package():
+    levels = [name for name, *_ in ENUMERATIONS["Fidelity"]]
+    assert (*levels, AUTO) == options.FIDELITIES
+    assert tuple(BASES) == studies.REFERENCE_ANGLES
 
 
 CLUSTER = ["--scheduler", "tcp://host:1", "--workers", "2"]
@@ -223,10 +223,10 @@ CLUSTER = ["--scheduler", "tcp://host:1", "--workers", "2"]
 
 @pytest.mark.parametrize("name", OPTIONS)
 def test_options_reach_the_study_and_errors_are_a_line(name, tmp_path, monkeypatch):
-    told = {}
+    received = {}
 
     def stand_in(*arguments, **options):
-        told.update(options)
+        received.update(options)
         raise RuntimeError("the work\nis not done")
 
     module = importlib.import_module(f"inertia_module.{PUBLIC[name]}")
@@ -237,18 +237,18 @@ def test_options_reach_the_study_and_errors_are_a_line(name, tmp_path, monkeypat
         expected = {**expected, "scheduler": "tcp://host:1", "workers": 2}
     done = command(name, *arguments, "--fmu", "x.fmu", "-o", tmp_path / "out")
     assert (done.exit_code, done.stderr) == (1, "error: the work is not done\n")
-    assert {key: told[key] for key in expected} == expected
+    assert {key: received[key] for key in expected} == expected
 
 
 # --- errors (test_scene.py tests the sentences about scenes) ---
 
 
-@pytest.mark.parametrize("arguments, words", REFUSED["options"])
+@pytest.mark.parametrize("arguments, words", REJECTED["options"])
 def test_invalid_request_is_an_error_in_a_line_before_the_build(tmp_path, monkeypatch, arguments, words):
     monkeypatch.setattr(builder, "current_fmu", lambda *_: pytest.fail("an FMU was built"))
     name, *options = arguments
     files = {"fit": RIG, "design": [EXAMPLES / "design_car.toml"]}.get(name, SHORT)
-    is_one_line(command(name, *files, *options, "-o", tmp_path / "out", folder=tmp_path), *words)
+    assert_one_line_error(command(name, *files, *options, "-o", tmp_path / "out", folder=tmp_path), *words)
     assert not list(tmp_path.iterdir())
 
 
@@ -265,7 +265,7 @@ IS_FOLDER = "error: . must be an FMU file (got a folder)\n"
     ],
 )
 def test_missing_files_are_named_before_a_folder_is_created(tmp_path, run, arguments, words):
-    is_one_line(run(*arguments, folder=tmp_path), words)
+    assert_one_line_error(run(*arguments, folder=tmp_path), words)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -282,35 +282,35 @@ COMMANDS = {
 }
 
 
-def places(folder):
+def unwritable_paths(folder):
     """Return paths without write permission, and words of the reason."""
     (folder / "table.csv").write_text("a file")
     (folder / "nowhere").symlink_to(folder / "gone")
-    found = {
+    reasons = {
         folder / "table.csv": "table.csv is not a folder",
         folder / "table.csv" / "below": "table.csv is not a folder",
         folder / "nowhere": "nowhere is not a folder",
         folder / ("long" * 100): "name too long",
     }
     if sys.platform == "linux":
-        found[Path("/proc/results")] = ""
+        reasons[Path("/proc/results")] = ""
     if os.name == "posix" and os.geteuid() != 0:
         (folder / "locked").mkdir(mode=0o500)
-        found[folder / "locked"] = "Permission denied"
-    return found
+        reasons[folder / "locked"] = "Permission denied"
+    return reasons
 
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_path_without_write_permission_is_rejected_before_the_work(name, tmp_path, monkeypatch):
     arguments, work = COMMANDS[name]
     monkeypatch.setattr(f"inertia_module.{work}", lambda *_, **__: pytest.fail("the work was begun"))
-    for place, words in places(tmp_path).items():
-        demand = f"error: cannot write to {place}: "
-        is_one_line(command(*arguments, "-o", place), demand, words)
+    for path, words in unwritable_paths(tmp_path).items():
+        start = f"error: cannot write to {path}: "
+        assert_one_line_error(command(*arguments, "-o", path), start, words)
     assert {path.name for path in tmp_path.iterdir()} <= {"table.csv", "nowhere", "locked"}
     if name != "build":  # The folder may also be implicit.
         (tmp_path / "out").write_text("a file")
-        is_one_line(command(*arguments, folder=tmp_path), "error: cannot write to out")
+        assert_one_line_error(command(*arguments, folder=tmp_path), "error: cannot write to out")
 
 
 def test_unwritable_table_is_an_error_in_a_sentence(tmp_path):
@@ -368,14 +368,14 @@ def test_full_disk_is_an_error_with_the_file_name_and_leaves_no_partial_file(tmp
 def test_device_or_pipe_as_a_scene_is_an_error_in_a_line(tmp_path, name, device):
     os.mkfifo(tmp_path / "pipe")
     message = f"error: cannot read {device}: not a regular file (a device or a pipe)"
-    is_one_line(command(name, device, folder=tmp_path), message)
+    assert_one_line_error(command(name, device, folder=tmp_path), message)
 
 
 @LINUX
 @pytest.mark.parametrize("device", ["/dev/zero", "pipe"])
 def test_device_or_pipe_as_another_file_is_an_error_in_a_line(tmp_path, device):
     os.mkfifo(tmp_path / "pipe")
-    place = "/dev" if device == "/dev/zero" else tmp_path
+    folder = "/dev" if device == "/dev/zero" else tmp_path
     words = "not a regular file (a device or a pipe)"
     commands = [
         ["fit", device, RIG[1], "--free", "a"],
@@ -383,9 +383,9 @@ def test_device_or_pipe_as_another_file_is_an_error_in_a_line(tmp_path, device):
         ["design", EXAMPLES / "design_car.toml", "--fmu", device],
     ]
     for arguments in commands:
-        is_one_line(command(*arguments, folder=tmp_path), device, words)
+        assert_one_line_error(command(*arguments, folder=tmp_path), device, words)
     with pytest.raises(InertiaModuleError, match=re.escape(words)):
-        Result.from_csv(Path(place, device))
+        Result.from_csv(Path(folder, device))
 
 
 def test_too_large_file_is_rejected(tmp_path):
@@ -408,14 +408,14 @@ def levels(title, fidelity, setting):
 
 
 def bar():
-    shown = progress()
-    shown.add_task(AWKWARD)
-    terminal().print(shown.columns[0].render(shown.tasks[0]))
+    progress_bar = progress()
+    progress_bar.add_task(AWKWARD)
+    terminal().print(progress_bar.columns[0].render(progress_bar.tasks[0]))
 
 
 PRINTERS = {
-    "summary": lambda: show((AWKWARD, {AWKWARD: "1"})),
-    "value of a summary": lambda: show(("title", {"heading": AWKWARD})),
+    "summary": lambda: print_part((AWKWARD, {AWKWARD: "1"})),
+    "value of a summary": lambda: print_part(("title", {"heading": AWKWARD})),
     "levels": lambda: levels(AWKWARD, "rigid", "x"),
     "setting": lambda: levels("R1", "peer", AWKWARD),
     "message": lambda: terminal().print(AWKWARD),
@@ -431,12 +431,12 @@ def test_brackets_and_colons_are_printed_unchanged(name, capsys, monkeypatch):
 
 
 @pytest.mark.parametrize("name", get_command(app).commands)
-def test_help_of_a_command_has_every_letter(name):
+def test_help_of_a_command_is_not_cut(name):
     command = get_command(app).commands[name]
-    shown = " ".join(CliRunner().invoke(app, [name, "-h"], terminal_width=1000).stdout.split())
+    help_text = " ".join(CliRunner().invoke(app, [name, "-h"], terminal_width=1000).stdout.split())
     shown_options = [parameter for parameter in command.params if not getattr(parameter, "hidden", False)]
     for text in (command.help, *(parameter.help for parameter in shown_options if parameter.help)):
-        assert " ".join(text.split()) in shown
+        assert " ".join(text.split()) in help_text
 
 
 def test_help_lists_the_commands_in_the_order_of_work_without_cutting_their_descriptions():
@@ -449,9 +449,9 @@ def test_help_lists_the_commands_in_the_order_of_work_without_cutting_their_desc
 
 def example_of(name):
     """Return the arguments of the example in the help of a command."""
-    shown = CliRunner().invoke(app, [name, "-h"], terminal_width=80).stdout
-    assert all(len(line) <= 80 for line in shown.splitlines())
-    (example,) = re.findall(r"^  Example:\n    inertia-module (.+)$", shown, re.MULTILINE)
+    help_text = CliRunner().invoke(app, [name, "-h"], terminal_width=80).stdout
+    assert all(len(line) <= 80 for line in help_text.splitlines())
+    (example,) = re.findall(r"^  Example:\n    inertia-module (.+)$", help_text, re.MULTILINE)
     first, *arguments = shlex.split(example)
     assert first == name
     return arguments

@@ -8,12 +8,12 @@ import pytest
 import speed_control
 from averaged_module import averaged_response, averaged_system, operating_point, transient_inertia
 from frequency_response import measured_response
-from refused import REFUSED, assert_refused
+from rejected import REJECTED, assert_rejected
 from scenes import ELASTIC
 
 from examples.coupling.study import URBAN_MODULE
 from inertia_module import control
-from inertia_module.control.fmu_system import bytes_of, numbers_of
+from inertia_module.control.fmu_system import pack_bytes, unpack_bytes
 from inertia_module.fmi.instance import Fmu
 from inertia_module.interface import variables
 
@@ -114,7 +114,7 @@ def test_result_depends_only_on_state_and_input(built, name, parameters, state):
         # Calls in between: another state, a read, a rejected step, another instance and a copy.
         plant.system.dynamics(0.0, plant.start, [120.0, 0.0])
         plant.system.output(0.0, plant.start, u)
-        assert_refused("omega1", plant.system.dynamics, 0.0, x, [np.nan, 0.0])
+        assert_rejected("omega1", plant.system.dynamics, 0.0, x, [np.nan, 0.0])
         assert (other.system.dynamics(5.0, x, u) == first).all()
         assert (plant.system.dynamics(7.0, x, u) == first).all()
         assert (plant.system.copy(name="copy").dynamics(0.0, x, u) == first).all()
@@ -125,12 +125,12 @@ def test_result_depends_only_on_state_and_input(built, name, parameters, state):
 def test_bytes_are_packed_as_integers_and_a_modified_integer_is_an_error():
     for size in (0, 1, 5, 6, 7, 19088):
         data = np.random.default_rng(size).bytes(size)
-        numbers = numbers_of(data)
+        numbers = pack_bytes(data)
         assert (numbers == np.floor(numbers)).all()
-        assert bytes_of(numbers) == data
+        assert unpack_bytes(numbers) == data
     numbers[2] += 0.5
     with pytest.raises(ValueError, match=r"a whole state must be unchanged \(number 2 is "):
-        bytes_of(numbers)
+        unpack_bytes(numbers)
 
 
 # --- functions of python-control ---
@@ -144,7 +144,7 @@ def test_rejected_input_is_reported_with_the_time_of_its_step(fmu, state, place,
     start = {"omega1": 100.0, "load_torque": 10.0}
     with control.fmu_system(fmu, step=0.01, start=start, outputs="omega_out", state=state) as plant:
         respond = partial(ct.input_output_response, plant.system, 0.01 * np.arange(200), inputs, plant.start)
-        assert_refused(f"^at time 1 s: {name} must be between .* .got 1e\\+30.$", respond)
+        assert_rejected(f"^at time 1 s: {name} must be between .* .got 1e\\+30.$", respond)
 
 
 def test_averaged_fmu_has_operating_point_and_linearisation_of_the_averaged_system(fmu):
@@ -233,8 +233,8 @@ def measured(path, **change):
 @pytest.mark.parametrize(
     "make, arguments, message",
     [
-        *((control.fmu_system, *case) for case in REFUSED["systems"]),
-        *((measured, *case) for case in REFUSED["responses"]),
+        *((control.fmu_system, *case) for case in REJECTED["systems"]),
+        *((measured, *case) for case in REJECTED["responses"]),
     ],
 )
 def test_invalid_arguments_are_errors_with_a_remedy(fmu, make, arguments, message):

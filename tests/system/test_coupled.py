@@ -8,7 +8,7 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 
 from examples.coupling import study
 from examples.coupling.engine import SCHEMES, CoupledEngine, Engine, Scheme
@@ -300,7 +300,7 @@ def test_rejected_step_has_no_effect(fmu, name):
             for n in range(40):
                 if n == 21 and load != 8.0:
                     coupled.set(load_torque=load)
-                    assert_refused("load_torque", coupled.advance, step)
+                    assert_rejected("load_torque", coupled.advance, step)
                     coupled.set(load_torque=8.0)
                 coupled.advance(step)
             ends.append((coupled.engine.state, *coupled.read(("omega_out", "energy_in"))))
@@ -314,5 +314,5 @@ def test_implicit_step_that_fails_in_the_middle_is_restored(fmu, monkeypatch):
         names = ("omega_out", "energy_in", "input_angle")
         before = coupled.fmu.time, coupled.engine.state, coupled.read(names)
         monkeypatch.setattr(coupled.fmu, "jacobian", Mock(side_effect=FmuError("no derivative")))
-        assert_refused("no derivative", coupled.advance, 1e-3)
+        assert_rejected("no derivative", coupled.advance, 1e-3)
         assert (coupled.fmu.time, coupled.engine.state, coupled.read(names)) == before

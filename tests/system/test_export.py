@@ -54,7 +54,7 @@ class Exported(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def here():
+def host_target():
     """Limit the exports to libraries for this platform."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(systems, "Build", functools.partial(Build, targets=HERE))
@@ -62,7 +62,7 @@ def here():
 
 
 @pytest.fixture(scope="module", params=SYSTEMS)
-def exported(request, here, tmp_path_factory):
+def exported(request, host_target, tmp_path_factory):
     plan = make_plan(request.param, *SYSTEMS[request.param], STEP, STOP)
     folder = tmp_path_factory.mktemp("export")
     export(plan, folder)
@@ -96,13 +96,13 @@ def program(reader):
 @pytest.mark.parametrize("reader", READERS)
 def test_documented_program_runs_the_ssp_file_to_the_numbers_of_a_plain_loop(reader, exported):
     needs(reader)
-    (found,) = printed(program(reader), exported.folder)
+    (result,) = printed(program(reader), exported.folder)
     expected = exported.looped(READERS[reader])["module.omega_out"]
     assert abs(expected) > 1.0  # At rest all readers would agree.
     if reader == "fmpy" and exported.name == "turning at the start":
-        assert found != pytest.approx(expected, rel=1e-3)  # FMPy sets the inputs of its first step to 0.
+        assert result != pytest.approx(expected, rel=1e-3)  # FMPy sets the inputs of its first step to 0.
     else:
-        assert found == pytest.approx(expected, rel=1e-9)
+        assert result == pytest.approx(expected, rel=1e-9)
     if reader == "libcosimpy":
         source = program(reader)
         for theirs, ours in OSP_FILE.items():
@@ -221,10 +221,10 @@ def tool(name, *arguments, folder):
 @pytest.mark.parametrize("fmu", FMUS, ids=lambda fmu: fmu.identifier)
 def test_checker_reports_no_problems(fmu, built, tmp_path):
     needs(TOOLBOX)
-    said = tool("fmutool", "-input", built / fmu.file_name, "-check", folder=tmp_path)
-    assert "seems to be compliant with FMI-" in said
-    assert "No semantic error" in said
-    assert not [line for line in said.splitlines() if line.startswith(("WARNING", "ERROR", "CRITICAL"))]
+    report = tool("fmutool", "-input", built / fmu.file_name, "-check", folder=tmp_path)
+    assert "seems to be compliant with FMI-" in report
+    assert "No semantic error" in report
+    assert not [line for line in report.splitlines() if line.startswith(("WARNING", "ERROR", "CRITICAL"))]
 
 
 @pytest.mark.parametrize(
@@ -259,6 +259,6 @@ def test_container_gives_the_bits_of_module_and_shaft_side_by_side(built, tmp_pa
     (tmp_path / "osp" / "container.json").write_text(json.dumps(container))
     options = ("-container", "container.json", "-fmu-directory", ".", "-fmi", fmi)
     tool("fmucontainer", *options, folder=tmp_path / "osp")
-    found = simulate_fmu(str(tmp_path / "osp" / "container.fmu"), **RUN)[-1]
+    end_values = simulate_fmu(str(tmp_path / "osp" / "container.fmu"), **RUN)[-1]
     expected = looped(plan, tmp_path)
-    assert {name: found[name] for name in expected} == expected
+    assert {name: end_values[name] for name in expected} == expected

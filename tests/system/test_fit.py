@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 
 from inertia_module import studies
 from inertia_module.common.errors import InertiaModuleError
@@ -15,7 +15,7 @@ from inertia_module.fmi.results import Result, read_columns, write_columns
 from inertia_module.scene import load_scene, run_scene
 from inertia_module.studies.candidates import TIE
 from inertia_module.studies.measurement import Rig, measurement
-from tests.system.programs import command, is_one_line, left
+from tests.system.programs import assert_one_line_error, command, stdout_of
 
 pytest.importorskip("tomli_w")
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -363,7 +363,7 @@ def test_wrong_radius_is_named_or_tied(fmu, rig, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", range(10))
-def test_fits_are_correct_or_report_doubts(fmu, tmp_path, number):
+def test_fits_are_correct_or_report_a_caveat(fmu, tmp_path, number):
     from benchmarks import fit as benchmark
 
     verdicts = benchmark.run(benchmark.KINDS[number], 8, tmp_path, fmu)  # `make bench` fits 100 of each kind
@@ -432,17 +432,17 @@ def test_invalid_fit_is_an_error_in_a_sentence(fmu, tmp_path):
         (MEASURED, idle, {}, r"no free parameter .*shaft_damping.* has an influence on omega2, omega_out"),
         (MEASURED, FREE, {"starts": -1}, "starts must be at least 0 .got -1"),
     ):
-        assert_refused(words, studies.fit, measured, SCENE, free, **options, output=tmp_path, fmu=fmu)
+        assert_rejected(words, studies.fit, measured, SCENE, free, **options, output=tmp_path, fmu=fmu)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_command_writes_scene_residuals_summary_and_plot(fmu, tmp_path):
     words = ["fit", MEASURED, SCENE, "--fmu", fmu, "-o", tmp_path]
     free = ["--free", "imbalance_mass=0.5:2", "--starts", "1", "--column", "omega_out"]
-    summary = json.loads(left(*words, *free, "--json"))
+    summary = json.loads(stdout_of(*words, *free, "--json"))
     assert list(summary["noise"]) == ["omega_out"]
     assert json.loads((tmp_path / "fit.json").read_text())["parameters"] == summary["parameters"]
     assert (tmp_path / "fit.png").read_bytes().startswith(b"\x89PNG")
     mass = summary["parameters"]["mechanism.imbalance_mass"]
     assert mass["value"] == load_scene(tmp_path / "fitted.toml").parameters()["imbalance_mass"]
-    is_one_line(command(*words), "error: at least one key must be free")
+    assert_one_line_error(command(*words), "error: at least one key must be free")

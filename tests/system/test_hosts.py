@@ -1,6 +1,6 @@
 """Test libcosim and Ecos with several instances, changing inputs and rejections.
 
-test_pages and test_export run the documented programs in these hosts and others.
+test_documentation and test_export run the documented programs in these hosts and others.
 """
 
 import pytest

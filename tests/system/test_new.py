@@ -11,7 +11,7 @@ from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 
 from inertia_module import __version__
 from inertia_module.common.examples import example, examples
@@ -21,7 +21,7 @@ from inertia_module.fmu import builder
 from inertia_module.interface.models import MODELS
 from inertia_module.model import Module, choose_kernel
 from inertia_module.scene import load_scene
-from tests.system.programs import command, is_one_line, left, process
+from tests.system.programs import assert_one_line_error, command, process, stdout_of
 
 ROOT = Path(__file__).parents[2]
 COPIED = tomllib.loads(Path(__file__).with_name("new.toml").read_text(encoding="utf-8"))
@@ -41,11 +41,11 @@ def folder(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("name", COPIED)
 def test_new_copies_an_example_with_its_files_and_prints_the_next_commands(name, folder):
-    files, told = COPIED[name]
-    shown = command("new", name).stdout.splitlines()
-    assert shown[: len(files) + 1] == [*(f"created: {file}" for file in files), "Next steps:"]
-    commands = [line.removeprefix("  ") for line in shown[len(files) + 1 :]]
-    assert "\n".join(commands).endswith(told)
+    files, last_commands = COPIED[name]
+    lines = command("new", name).stdout.splitlines()
+    assert lines[: len(files) + 1] == [*(f"created: {file}" for file in files), "Next steps:"]
+    commands = [line.removeprefix("  ") for line in lines[len(files) + 1 :]]
+    assert "\n".join(commands).endswith(last_commands)
     source = example(name)
     assert Path(files[0]).read_bytes() == source.read_bytes()
     assert all((folder / file).read_bytes() == source.with_name(file).read_bytes() for file in files)
@@ -54,20 +54,20 @@ def test_new_copies_an_example_with_its_files_and_prints_the_next_commands(name,
 
 
 def test_new_overwrites_no_files_and_lists_skipped_files_in_json(folder):
-    told = command("new", "fit_rig", "-o", "here/rig.toml").stdout.splitlines()[-1]
-    assert told.startswith("  inertia-module fit here/rig.csv here/rig.toml --free imbalance_mass=0.5:2")
+    printed = command("new", "fit_rig", "-o", "here/rig.toml").stdout.splitlines()[-1]
+    assert printed.startswith("  inertia-module fit here/rig.csv here/rig.toml --free imbalance_mass=0.5:2")
     Path("here/rig.toml").unlink()
     again = command("new", "fit_rig", "-o", "here/rig.toml")
-    is_one_line(again, "rig.csv already exists. Choose another name with -o.")
+    assert_one_line_error(again, "rig.csv already exists. Choose another name with -o.")
     assert not Path("here/rig.toml").exists()
-    told = json.loads(left("new", "planar", "-o", "other.toml", "--json"))
-    assert told == {"files": ["other.toml"]}
+    printed = json.loads(stdout_of("new", "planar", "-o", "other.toml", "--json"))
+    assert printed == {"files": ["other.toml"]}
 
 
 def test_new_without_a_name_lists_all_examples_by_title():
-    lines = left("new").splitlines()
+    lines = stdout_of("new").splitlines()
     assert all(len(line) <= 80 for line in lines)
-    titles = json.loads(left("new", "--json"))["examples"]
+    titles = json.loads(stdout_of("new", "--json"))["examples"]
     assert titles["reference"] == "R1: a bevel inertia module starts a flywheel"
     assert titles["tutorial"].startswith("Tutorial: ")
     assert list(titles) == list(examples())
@@ -84,27 +84,27 @@ def test_all_scenes_programs_and_the_notebook_are_examples():
     copied = [path for path in files if path.name not in parts and path.parent.name != "coupling"]
     assert sorted(copied) == sorted(examples().values())
     assert example("planar.py").suffix == ".py"
-    assert_refused(r"^unknown example 'plenary'; did you mean 'planar'\?$", example, "plenary")
+    assert_rejected(r"^unknown example 'plenary'; did you mean 'planar'\?$", example, "plenary")
 
 
 def test_keys_are_set_as_in_a_scene_file_on_the_command_line_too(fmu, tmp_path):
-    given = ["imbalance_mass=1.5 kg", "drive.omega1=50 rad/s", "satellites=2", 'run.outputs=["omega2"]']
-    scene = load_scene(example("planar"), given)
-    found = scene.parameters()
-    assert (found["imbalance_mass"], found["satellites"]) == (1.5, 2)
+    keys = ["imbalance_mass=1.5 kg", "drive.omega1=50 rad/s", "satellites=2", 'run.outputs=["omega2"]']
+    scene = load_scene(example("planar"), keys)
+    parameters = scene.parameters()
+    assert (parameters["imbalance_mass"], parameters["satellites"]) == (1.5, 2)
     assert (scene.drive.omega1, scene.run.outputs) == (50.0, ["omega2"])
-    whole = {"mechanism": scene.tables["mechanism"]}
-    assert load_scene(example("planar"), whole).mechanism == scene.mechanism
-    for given, sentence in (
+    tables = {"mechanism": scene.tables["mechanism"]}
+    assert load_scene(example("planar"), tables).mechanism == scene.mechanism
+    for keys, sentence in (
         ("imbalance_mass", r"expected KEY=VALUE \(got 'imbalance_mass'\)$"),
         (
             "imbalance_mas=1",
             r"planar.toml: unknown key 'mechanism.imbalance_mas'; did you mean ",
         ),
     ):
-        assert_refused(sentence, load_scene, example("planar"), [given])
+        assert_rejected(sentence, load_scene, example("planar"), [keys])
     options = ("--set", "run.stop_time=20 ms", "--set", "drive.omega1=60 rad/s", "--fmu", fmu, "--json")
-    summary = json.loads(left("run", example("planar"), *options, "-o", tmp_path))["summary"]
+    summary = json.loads(stdout_of("run", example("planar"), *options, "-o", tmp_path))["summary"]
     assert summary["simulated_time"] == pytest.approx(0.02)
     assert summary["omega1_maximum"] == 60.0
 
@@ -125,11 +125,11 @@ def test_kernel_of_a_wheel_equals_the_kernel_of_its_native_fmu(built, tmp_path, 
         module.advance(0.05)
         return module.snapshot()
 
-    here = run()
+    expected = run()
     monkeypatch.setenv("INERTIA_MODULE_CACHE", str(tmp_path))
     monkeypatch.setattr(load, "ready_made", lambda file: built / file)
     load.load.cache_clear()
-    assert run() == here
+    assert run() == expected
     load.load(MODELS["DrivenShaft"])
     load.load.cache_clear()
     assert {path.stem.partition("-")[0] for path in tmp_path.iterdir()} == set(MODELS)

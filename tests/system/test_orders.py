@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from refused import REFUSED, assert_refused, refusal
+from rejected import REJECTED, assert_rejected, rejection
 from scipy.io import loadmat
 
 from inertia_module import example, studies
@@ -23,7 +23,7 @@ from inertia_module.scene.reading import speed_unit
 from inertia_module.studies.order_analysis import HARMONICS
 from inertia_module.studies.order_lines import MIN_SHARE
 from inertia_module.studies.order_spectra import spectra
-from tests.system.programs import left
+from tests.system.programs import stdout_of
 
 order_run = sys.modules["inertia_module.studies.order_analysis"]
 OMEGA1 = 100.0
@@ -277,7 +277,7 @@ def test_aliases_are_below_the_smallest_listed_line(fmu):
 def test_too_long_step_of_a_signal_is_rejected_with_a_sufficient_step(fmu):
     scene = load_scene(example("engine_launch")).replaced(run={"stop_time": 4.0})
     words = r"= ([\d.]+) ms or less .got 0.01 s.: the scene computes drive_torque once per communication step"
-    step = float(re.search(words, refusal(studies.orders, scene, fmu, signals=["drive_torque"]))[1])
+    step = float(re.search(words, rejection(studies.orders, scene, fmu, signals=["drive_torque"]))[1])
     shorter = scene.replaced(run={"communication_step": 4.0 / math.ceil(4e3 / step)})
     assert studies.orders(shorter, fmu, signals=["drive_torque"]).step <= 1.001e-3 * step
 
@@ -362,33 +362,33 @@ RAMP = {"kind": "ramp", "omega1": None, "initial": 0.0, "final": 50.0, "duration
 
 
 @pytest.mark.parametrize(
-    "drive, options, words", [*REFUSED["orders"], (RAMP, {"begin": 0.0}, "decreasing at 0 s")]
+    "drive, options, words", [*REJECTED["orders"], (RAMP, {"begin": 0.0}, "decreasing at 0 s")]
 )
 def test_invalid_orders_are_rejected_in_a_sentence(fmu, drive, options, words):
     scene = held(1.0, input_inertia=0.1).replaced(drive=drive)
-    assert_refused(words, studies.orders, scene, fmu, **options)
+    assert_rejected(words, studies.orders, scene, fmu, **options)
 
 
 def test_run_without_oscillation_or_pulses_is_rejected(fmu, monkeypatch):
     monkeypatch.setattr(order_run, "SIGNALS", ("omega1", "input_speed"))
-    assert_refused("all signals are constant: omega1, input_speed", studies.orders, held(stop=1.0), fmu)
+    assert_rejected("all signals are constant: omega1, input_speed", studies.orders, held(stop=1.0), fmu)
     with pytest.raises(
         InertiaModuleError, match=r"must be kinematic, rigid or elastic for orders \(got averaged\)"
     ):
         studies.orders(held(fidelity="averaged"), fmu)
     locked = load_scene(example("planar")).replaced(run={"stop_time": 3.0})
     words = r"must be increasing .got constant or decreasing at .* s.; choose another time range"
-    assert_refused(words, studies.orders, locked, fmu, of="drive_angle", signals=["omega2"])
+    assert_rejected(words, studies.orders, locked, fmu, of="drive_angle", signals=["omega2"])
 
 
 def test_command_writes_spectrum_waterfall_summary_and_plot(fmu, tmp_path):
     scene = example("planar")
     words = ["--signal", "input_torque", "--turns", "4", "--highest", "20", "--from"]
     options = [*words, "0 s", "--fmu", fmu, "-o", tmp_path]
-    said = left("orders", scene, *options, "--to", "600 ms")
+    printed = stdout_of("orders", scene, *options, "--to", "600 ms")
     result = studies.orders(scene, fmu, signals=["input_torque"], end=0.6, turns=4.0, highest=20.0)
     first = result.largest()["input_torque"][0]
-    assert f"order {first.order:.4g}" in said
+    assert f"order {first.order:.4g}" in printed
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary == json.loads(json.dumps(result.as_dict()))
     assert summary["signals"]["input_torque"]["largest"][0]["amplitude"] == first.amplitude
@@ -398,9 +398,11 @@ def test_command_writes_spectrum_waterfall_summary_and_plot(fmu, tmp_path):
     rows, _ = read_columns(tmp_path / "waterfall.csv")
     assert sorted(set(rows["time"])) == result.time.tolist()
     assert (tmp_path / "orders.png").read_bytes().startswith(b"\x89PNG")
-    printed = json.loads(left("orders", scene, *options, "--to", "600 ms", "--json"))
+    printed = json.loads(stdout_of("orders", scene, *options, "--to", "600 ms", "--json"))
     assert printed["signals"] == summary["signals"]
-    more = left("orders", scene, *options, "--to", "600 ms", "--mat", "--hz", "--signal", "shaking_force_x")
+    more = stdout_of(
+        "orders", scene, *options, "--to", "600 ms", "--mat", "--hz", "--signal", "shaking_force_x"
+    )
     assert "0 N, constant" in more
     assert "orders.mat" in more
     assert (tmp_path / "orders.mat").exists()

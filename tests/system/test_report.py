@@ -14,9 +14,9 @@ from inertia_module.plots.mechanism import mechanism_figure
 from inertia_module.report import html_report as report
 from inertia_module.report.html_report import RECORDED
 from inertia_module.scene import Scene, load_any_scene, run_scene, run_shaft_scene
-from inertia_module.scene.keys import keys_of_texts
+from inertia_module.scene.keys import keys_from_options
 from tests.system.chromium import FONTS, REFERENCE, set_font
-from tests.system.programs import left
+from tests.system.programs import stdout_of
 
 EXAMPLES = REFERENCE.parent
 SHAFT = EXAMPLES / "papers" / "stelmashchuk_stepping.toml"
@@ -38,9 +38,11 @@ def reported(built, tmp_path):
     def reported(scene, *keys):
         shaft = "[shaft]" in scene.read_text(encoding="utf-8")
         fmu, path = built / f"{'DrivenShaft' if shaft else 'InertiaModule'}.fmu", tmp_path / "report.html"
-        told = left("report", scene, *(f"--set={key}" for key in keys), "--fmu", fmu, "--json", "-o", path)
-        assert json.loads(told)["bytes"] == path.stat().st_size
-        read = load_any_scene(scene, keys_of_texts(keys))
+        printed = stdout_of(
+            "report", scene, *(f"--set={key}" for key in keys), "--fmu", fmu, "--json", "-o", path
+        )
+        assert json.loads(printed)["bytes"] == path.stat().st_size
+        read = load_any_scene(scene, keys_from_options(keys))
         module = isinstance(read, Scene)
         return ElementTree.parse(path).getroot(), (
             run_scene(read, fmu, also=RECORDED) if module else run_shaft_scene(read, fmu)
@@ -78,13 +80,13 @@ def rows(section):
 @pytest.mark.parametrize("scene, keys", [(REFERENCE, CROWDED), (REFERENCE, STALLED), (SHAFT, ())])
 def test_report_has_every_section_every_warning_and_the_numbers_of_the_summary(reported, scene, keys):
     root, result = reported(scene, *keys)
-    found = sections(root)
-    titles = list(found)
+    by_title = sections(root)
+    titles = list(by_title)
     assert titles[: len(SECTIONS)] == SECTIONS
     assert {title.partition(": ")[0] for title in titles[len(SECTIONS) : -1]} == {"Parameters"}
     assert titles[-1] == "How to reproduce this report"
     assert (root.find("head/title").text, root.find(".//h1").text) == (result.scene.title,) * 2
-    cells = [cell for row in rows(found["Results"]) for cell in row]
+    cells = [cell for row in rows(by_title["Results"]) for cell in row]
     numbers = dict(zip(cells[::2], cells[1::2], strict=True))
     expected = result.lines()
     assert {name for name in numbers if name} == set(expected)
@@ -101,7 +103,7 @@ def test_report_has_every_section_every_warning_and_the_numbers_of_the_summary(r
     numbers = root.find(".//dl[@class='numbers']")
     assert len(numbers.findall("div")) == 5
     assert all(number.find("dd").text for number in numbers)
-    assert found["How to reproduce this report"].find("pre").text == scene.read_text(encoding="utf-8")
+    assert by_title["How to reproduce this report"].find("pre").text == scene.read_text(encoding="utf-8")
 
 
 def test_report_needs_no_network_and_escapes_the_title(reported, tmp_path):
@@ -110,8 +112,10 @@ def test_report_needs_no_network_and_escapes_the_title(reported, tmp_path):
     scene.write_text(f'title = "{title}"\n' + REFERENCE.read_text().split("\n", 1)[1])
     root, _ = reported(scene)
     assert root.find("head/title").text == root.find(".//h1").text == title.replace("\\", "")
-    assert {one.tag for one in root.iter()}.isdisjoint({"script", "a", "link", "iframe", "object"})
-    links = [one.get(name) for one in root.iter() for name in ("src", "href", "style") if one.get(name)]
+    assert {element.tag for element in root.iter()}.isdisjoint({"script", "a", "link", "iframe", "object"})
+    links = [
+        element.get(name) for element in root.iter() for name in ("src", "href", "style") if element.get(name)
+    ]
     assert len(links) == 5
     assert all(link.startswith("data:image/") for link in links)
     assert "url(" not in root.find("head/style").text
@@ -125,25 +129,25 @@ def test_parameters_have_their_source(reported, tmp_path):
     text = text.replace("[drive]", '[drive]\nkind = "table"\nfile = "speed.csv"')
     scene.write_text(text.replace('kind = "torque"', 'kind = "shaft"\ninertia = 2.0'))
     root, result = reported(scene, "imbalance_mass=900 g", "run.stop_time=0.1 s")
-    found = sections(root)
-    asked = {key: (value, source) for key, value, source in rows(found["Inputs"])[1:]}
-    assert asked["drive.omega1"] == ("94.2478 rad/s, 94.2478 rad/s", "scene file: speed.csv")
-    assert asked["run.stop_time"] == ("0.1 s", "--set")
-    assert asked["accuracy.window"] == ("1 s", "default")
-    given = {
+    by_title = sections(root)
+    inputs = {key: (value, source) for key, value, source in rows(by_title["Inputs"])[1:]}
+    assert inputs["drive.omega1"] == ("94.2478 rad/s, 94.2478 rad/s", "scene file: speed.csv")
+    assert inputs["run.stop_time"] == ("0.1 s", "--set")
+    assert inputs["accuracy.window"] == ("1 s", "default")
+    parameters = {
         name: (value, source)
-        for title, section in found.items()
+        for title, section in by_title.items()
         if title.startswith("Parameters: ")
         for name, value, source, _ in rows(section)[1:]
     }
-    assert given["sun_radius"] == ("0.05 m", "scene file: 50 mm")
-    assert given["imbalance_mass"] == ("0.9 kg", "--set: 900 g")
-    assert given["output_inertia"] == ("2.4 kg.m2", "scene file: 0.4 kg.m2")
-    assert given["tolerance"] == ("1e-09", "scene file")
-    assert given["layout"] == ("planar", "scene file")
-    assert given["gravity"] == ("0 m/s2", "default")
-    assert "z17" not in given
-    assert "shaft_stiffness" not in given
+    assert parameters["sun_radius"] == ("0.05 m", "scene file: 50 mm")
+    assert parameters["imbalance_mass"] == ("0.9 kg", "--set: 900 g")
+    assert parameters["output_inertia"] == ("2.4 kg.m2", "scene file: 0.4 kg.m2")
+    assert parameters["tolerance"] == ("1e-09", "scene file")
+    assert parameters["layout"] == ("planar", "scene file")
+    assert parameters["gravity"] == ("0 m/s2", "default")
+    assert "z17" not in parameters
+    assert "shaft_stiffness" not in parameters
     assert result.scene.parameters()["output_inertia"] == pytest.approx(2.4)
 
 
@@ -162,23 +166,23 @@ LEFT_OUT = [
 
 
 @pytest.mark.usefixtures("undrawn")
-@pytest.mark.parametrize("given, expected", LEFT_OUT, ids=lambda given: "-".join(map(str, given)))
-def test_missing_sections_have_a_reason(reported, given, expected):
-    scene, *keys = given
-    found = sections(reported(scene, *keys)[0])
+@pytest.mark.parametrize("arguments, expected", LEFT_OUT, ids=lambda arguments: "-".join(map(str, arguments)))
+def test_missing_sections_have_a_reason(reported, arguments, expected):
+    scene, *keys = arguments
+    by_title = sections(reported(scene, *keys)[0])
     for title, words in expected.items():
-        (text,) = texts(found[title])
+        (text,) = texts(by_title[title])
         assert text.startswith("Not available: ")
         assert words in text
-        assert not rows(found[title])
-        assert found[title].find("img") is None
+        assert not rows(by_title[title])
+        assert by_title[title].find("img") is None
 
 
 def test_duty_is_shown_with_limits_and_an_exceeded_limit_is_a_warning(reported):
     limits = ("freewheels.indexing_frequency=2 Hz", "freewheels.output.torque=150 N.m")
     root, result = reported(REFERENCE, *limits, "housing_freewheel=false")
-    found, numbers = sections(root), result.lines()
-    duty = rows(found["Freewheel duty"])[1:]
+    by_title, numbers = sections(root), result.lines()
+    duty = rows(by_title["Freewheel duty"])[1:]
     assert [row[1] for row in duty] == ["not present"] * 4
     assert [row[2] for row in duty] == [numbers[f"output {row[0]}"] for row in duty]
     assert duty[1][2].endswith(" Hz, limit 2")

@@ -63,11 +63,11 @@ def visit(site, browser):
 @pytest.mark.parametrize("width", WIDTHS)
 def test_every_page_fits_this_width_in_any_font_without_network(site, visit, width):
     address, folder = site
-    wrong, asked = [], []
+    messages, requests = [], []
     page = visit("index.html", width)
-    page.on("console", lambda said: said.type in ("error", "warning") and wrong.append(said.text))
-    page.on("pageerror", lambda error: wrong.append(str(error)))
-    page.on("request", lambda request: request.url.startswith(address) or asked.append(request.url))
+    page.on("console", lambda message: message.type in ("error", "warning") and messages.append(message.text))
+    page.on("pageerror", lambda error: messages.append(str(error)))
+    page.on("request", lambda request: request.url.startswith(address) or requests.append(request.url))
     formulas = 0
     for path in sorted(folder.rglob("*.html")):
         name = path.relative_to(folder).as_posix()
@@ -86,7 +86,7 @@ def test_every_page_fits_this_width_in_any_font_without_network(site, visit, wid
         formulas += page.locator("math").count()
         if "INERTIA_MODULE_PICTURES" in os.environ:  # Screenshots for review take half a minute.
             page.screenshot(path=PICTURES / f"{name.replace('/', '_')}_{width}.png", full_page=True)
-    assert (wrong, asked) == ([], [])
+    assert (messages, requests) == ([], [])
     assert formulas > 200
 
 
@@ -117,11 +117,11 @@ def test_search_finds_guides_before_tables(visit):
 def test_search_works_offline_from_a_folder(site, browser):
     _, folder = site
     page = browser.new_page()
-    asked = []
-    page.on("request", lambda request: request.url.startswith("file:") or asked.append(request.url))
+    requests = []
+    page.on("request", lambda request: request.url.startswith("file:") or requests.append(request.url))
     page.goto(f"{(folder / 'how_to' / 'run.html').as_uri()}?q=freewheel")
     page.wait_for_selector("a.md-search-result__link", state="attached")
-    assert asked == []
+    assert requests == []
     page.close()
 
 

@@ -12,13 +12,13 @@ from pathlib import Path
 from unittest.mock import Mock
 
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 
 from inertia_module import studies
 from inertia_module.common.errors import InertiaModuleError, SceneError
 from inertia_module.plots.studies import design_figure
 from inertia_module.scene import load_scene, run_scene
-from inertia_module.scene.keys import keys_of_texts
+from inertia_module.scene.keys import keys_from_options
 from inertia_module.scene.quantity import Quantity
 from inertia_module.scene.run import SceneRunner
 from inertia_module.studies.axes import axes_of, grid
@@ -250,7 +250,7 @@ def test_worker_without_the_package_is_an_error_in_a_line(scene, fmu, empty_clus
     empty_cluster.worker(without="inertia_module")
     with Client(empty_cluster.address) as client:
         client.wait_for_workers(1, timeout=60)
-    words = f"^the workers of {empty_cluster.address} cannot do the task: .*inertia_module"
+    words = f"^the workers of {empty_cluster.address} cannot run the task: .*inertia_module"
     with pytest.raises(workers.ClusterError, match=words):
         studies.sweep(scene, VARY, output=tmp_path / "out", fmu=fmu, scheduler=empty_cluster.address)
 
@@ -259,14 +259,14 @@ def test_worker_of_another_version_is_an_error_in_a_line(scene, fmu, cluster, tm
     with Client(cluster.address) as client:
         client.wait_for_workers(1, timeout=60)
     monkeypatch.setattr(workers, "__version__", "0.1.0")
-    words = "cannot do the task: .*version of inertia-module on the worker must be 0.1.0 .got 0"
+    words = "cannot run the task: .*version of inertia-module on the worker must be 0.1.0 .got 0"
     with pytest.raises(workers.ClusterError, match=words):
         studies.sweep(scene, VARY, output=tmp_path, fmu=fmu, scheduler=cluster.address)
 
 
 def test_failed_task_on_a_worker_is_an_error_in_a_line(fmu, cluster):
     task = Task(fmu.read_bytes(), {}, print)
-    words = "a worker cannot do the task: TypeError: "
+    words = "a worker cannot run the task: TypeError: "
     with pool(task, cluster.address) as client, pytest.raises(workers.ClusterError, match=words):
         list(evaluations(client, task.identity, [{}]))
 
@@ -274,12 +274,12 @@ def test_failed_task_on_a_worker_is_an_error_in_a_line(fmu, cluster):
 def test_invalid_fmu_is_named_by_the_worker(scene, cluster, tmp_path):
     (tmp_path / "x.fmu").write_text("no FMU")
     sweep = partial(studies.sweep, scene, VARY, output=tmp_path / "out", fmu=tmp_path / "x.fmu")
-    assert_refused("cannot read .*Module.fmu: not a zip archive", sweep, scheduler=cluster.address)
+    assert_rejected("cannot read .*Module.fmu: not a zip archive", sweep, scheduler=cluster.address)
 
 
 @pytest.mark.parametrize("number", [0, -1])
 def test_number_of_workers_must_be_positive(scene, fmu, tmp_path, number):
-    assert_refused(
+    assert_rejected(
         f"workers must be at least 1 .got {number}.$",
         partial(studies.sweep, scene, VARY, output=tmp_path, fmu=fmu, workers=number),
     )
@@ -417,12 +417,12 @@ def test_search_without_a_valid_design_continues_while_it_improves(spec, fmu, cl
     for seed in (1, 2, 3):
         keys = [*distant_limit, f"search.seed={seed}"]
         result = studies.design(
-            read_spec(spec, keys_of_texts(keys)), output=tmp_path, fmu=fmu, scheduler=cluster.address
+            read_spec(spec, keys_from_options(keys)), output=tmp_path, fmu=fmu, scheduler=cluster.address
         )
         assert result.chosen, seed
         assert len(result.rows) > 12
         assert not result.cut
-    short = read_spec(spec, keys_of_texts([*distant_limit, "search.seed=1", "search.longest=0.001 ms"]))
+    short = read_spec(spec, keys_from_options([*distant_limit, "search.seed=1", "search.longest=0.001 ms"]))
     cut = studies.design(short, output=tmp_path, fmu=fmu, scheduler=cluster.address)
     assert cut.cut
     assert len(cut.rows) == 12
@@ -436,7 +436,7 @@ def test_search_reports_a_better_design_of_another_seed(spec, fmu, cluster, tmp_
     searches = [[], [*short, "search.seed=7"]]
     long, brief = (
         studies.design(
-            read_spec(spec, keys_of_texts(keys)), output=tmp_path, fmu=fmu, scheduler=cluster.address
+            read_spec(spec, keys_from_options(keys)), output=tmp_path, fmu=fmu, scheduler=cluster.address
         )
         for keys in searches
     )
@@ -455,12 +455,12 @@ def test_stalled_search_restarts(spec, fmu, cluster, tmp_path):
     for starts in (1, 50):
         keys = [*lone, "search.stall=1", f"search.starts={starts}"]
         result = studies.design(
-            read_spec(spec, keys_of_texts(keys)), output=tmp_path, fmu=fmu, scheduler=cluster.address
+            read_spec(spec, keys_from_options(keys)), output=tmp_path, fmu=fmu, scheduler=cluster.address
         )
         assert bool(result.chosen) == (starts == 50)
 
 
-def test_unknown_figure_is_rejected(spec, fmu, cluster, tmp_path):
+def test_unknown_metric_is_rejected(spec, fmu, cluster, tmp_path):
     wrong = spec.with_name("wrong.toml")
     wrong.write_text(SPEC.replace("omega_out_final", "omega_out_last"))
     with pytest.raises(

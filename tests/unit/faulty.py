@@ -3,7 +3,7 @@
 from inertia_module.model import Module
 
 
-def faulty(after_step=None, told=None, after_restore=None):
+def faulty(after_step=None, change_start=None, after_restore=None):
     """Return a class of modules with a fault.
 
     Args:
@@ -13,7 +13,7 @@ def faulty(after_step=None, told=None, after_restore=None):
 
     class Faulty(Module):
         def start(self, **values):
-            return super().start(**values | (told(values) if told else {}))
+            return super().start(**values | (change_start(values) if change_start else {}))
 
         def advance(self, step_size):
             super().advance(step_size)

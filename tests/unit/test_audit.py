@@ -3,7 +3,7 @@
 import itertools
 
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 from scenes import PLANAR, advanced, started
 
 from inertia_module.kernel import step
@@ -46,7 +46,7 @@ def audited(tolerance, **energies):
 @pytest.mark.parametrize("name", AFTER)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("tolerance, share", [(1e-3, 0.1), (1e-6, 1e-3), (1e-12, 1e-6)])
-def test_missing_may_be_a_thousand_tolerances_of_the_energies(name, sign, tolerance, share):
+def test_energy_defect_may_be_a_thousand_tolerances_of_the_energies(name, sign, tolerance, share):
     for part, expected in ((0.0, OK), (0.8, OK), (1.25, NOT_BALANCED)):
         spoiled = {name: AFTER[name] + sign * part * share * ENERGIES}
         assert audited(tolerance, **spoiled) == expected
@@ -61,7 +61,7 @@ def test_step_without_energy_balance_is_repeated_and_then_rejected(spoil, values
     # The following steps have the requested tolerance.
     assert advanced(module, 0.1)["rhs_evaluations"] < advanced(careful, 0.1)["rhs_evaluations"]
     spoil(2)
-    assert_refused("the energy balance check failed with tolerance = 1e-06", module.advance, 0.01)
+    assert_rejected("the energy balance check failed with tolerance = 1e-06", module.advance, 0.01)
 
 
 @pytest.mark.parametrize("values", [{"fidelity": 0}, {"fidelity": 1}], ids=str)

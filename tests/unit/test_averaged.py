@@ -4,7 +4,7 @@ import itertools
 import math
 
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 from scenes import DRIVEN, MECHANISMS, PLANAR, SCENES, advanced, passed, started
 
 from inertia_module.kernel.inertia import reduced_inertia
@@ -193,7 +193,9 @@ def test_checking_parameters_builds_no_map(scene):
     module.check(**scene, fidelity=1)
     assert module.derived.map_ready == module.derived.forward.end == 0.0
     assert not module.started
-    assert_refused(r"must both be 1 \(true\) with fidelity = averaged", module.check, housing_freewheel=False)
+    assert_rejected(
+        r"must both be 1 \(true\) with fidelity = averaged", module.check, housing_freewheel=False
+    )
 
 
 def test_shaft_that_starts_at_the_end_of_the_map_stops_within_a_step(compiled):
@@ -300,5 +302,5 @@ def test_by_torque_a_link_1_lighter_than_five_imbalances_is_rejected(layout):
     largest = max(reduced_inertia(d, d.period * n / 20000)[0] for n in range(20000))
     module = Module("plain")
     module.check(**mechanism, **BY_TORQUE, input_inertia=5.001 * largest)
-    assert_refused("^input_inertia must be at least 5 times", module.check, input_inertia=4.999 * largest)
+    assert_rejected("^input_inertia must be at least 5 times", module.check, input_inertia=4.999 * largest)
     module.check(drive=0)

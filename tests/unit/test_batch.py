@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 
 from inertia_module import Module, batch
 from inertia_module.common.errors import InertiaModuleError
@@ -58,7 +58,7 @@ WRONG = [
 
 @pytest.mark.parametrize("arguments, words", WRONG)
 def test_invalid_argument_of_all_runs_is_an_error(arguments, words):
-    assert_refused(words, batch, **{"values": {"omega1": 50.0}, "stop_time": 0.01, **arguments})
+    assert_rejected(words, batch, **{"values": {"omega1": 50.0}, "stop_time": 0.01, **arguments})
 
 
 def test_invalid_values_of_some_runs_give_nan(compiled):

@@ -7,7 +7,7 @@ import pytest
 
 from inertia_module.common import files
 from inertia_module.compiling import CompilationError, c_compiler
-from inertia_module.compiling.targets import LINUX64, TARGETS, here
+from inertia_module.compiling.targets import LINUX64, TARGETS, host_target
 from inertia_module.fmu import native_fmu
 from inertia_module.fmu.builder import SHAFT_FMU
 from inertia_module.interface.models import DRIVEN_SHAFT
@@ -36,41 +36,41 @@ def made():
     return []
 
 
-def kept(made, made_from=b"source", name=NAME):
+def cached(made, source=b"source", name=NAME):
     def make():
         made.append(name)
-        return made_from * (name != NAME) + CONTENT
+        return source * (name != NAME) + CONTENT
 
-    return files.kept(name, {"source": made_from}, make)
+    return files.cached(name, {"source": source}, make)
 
 
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_damaged_file_is_replaced_by_a_complete_file(cache, made, damage):
-    path = kept(made)
-    assert path == kept(made)
+    path = cached(made)
+    assert path == cached(made)
     assert (len(made), path.read_bytes(), path.suffix) == (1, CONTENT, ".so")
     DAMAGES[damage](path)
-    assert files.kept_file(NAME, {"source": b"source"}) is None
-    assert kept(made).read_bytes() == kept(made).read_bytes() == CONTENT
+    assert files.cached_file(NAME, {"source": b"source"}) is None
+    assert cached(made).read_bytes() == cached(made).read_bytes() == CONTENT
     assert len(made) == 2
 
 
 def test_a_file_of_other_sources_or_of_another_name_is_not_used(cache, made):
-    path, other = kept(made), kept(made, b"another source")
-    third = kept(made, name="kernel-windows.dll")
+    path, other = cached(made), cached(made, b"another source")
+    third = cached(made, name="kernel-windows.dll")
     assert (len({path, other, third}), len(made)) == (3, 3)
     # The content of a file under another name is invalid.
     third.rename(path)
-    assert kept(made).read_bytes() == CONTENT
+    assert cached(made).read_bytes() == CONTENT
     assert len(made) == 4
 
 
 def test_folder_instead_of_a_file_is_an_error_with_its_name(cache, made):
-    path = kept(made)
+    path = cached(made)
     path.unlink()
     path.mkdir()
     with pytest.raises(OSError, match=path.name):
-        kept(made)
+        cached(made)
 
 
 def test_read_only_cache_folder_is_an_error_before_the_work(tmp_path, monkeypatch, made):
@@ -79,7 +79,7 @@ def test_read_only_cache_folder_is_an_error_before_the_work(tmp_path, monkeypatc
     monkeypatch.setenv("INERTIA_MODULE_CACHE", str(place / "cache"))
     expected = r"cannot write to .*: .*file is not a folder; INERTIA_MODULE_CACHE names another"
     with pytest.raises(OSError, match=expected):
-        kept(made)
+        cached(made)
     assert not made
 
 
@@ -110,7 +110,7 @@ def test_another_compiler_makes_the_library_of_this_platform(cache, monkeypatch)
     assert path.parent == cache
     assert ctypes.CDLL(str(path)).inertia_module_kernel
     with pytest.raises(CompilationError, match="gcc compiles only for"):
-        c_compiler.object_file(DRIVEN_SHAFT, next(one for one in TARGETS if one != here()))
+        c_compiler.object_file(DRIVEN_SHAFT, next(one for one in TARGETS if one != host_target()))
 
 
 def test_missing_compiler_is_an_error_with_its_name(cache, monkeypatch):

@@ -8,14 +8,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 from scenes import MECHANISMS, started
 from scipy.io import loadmat
 
 from inertia_module.analysis.chart_files import (
-    LARGEST_TORQUE_RATIO,
+    MAP_COLUMNS,
     MAP_SPEEDS,
-    MAPPED,
+    MAX_TORQUE_RATIO,
     UNITS,
     converter_table,
     save_converter,
@@ -27,7 +27,7 @@ from inertia_module.analysis.steady_state import SteadyMachine
 from inertia_module.common.errors import InertiaModuleError
 from inertia_module.fmi.results import read_columns
 from inertia_module.plots.studies import chart_figure
-from tests.system.programs import left, succeeded
+from tests.system.programs import stdout_of, succeeded
 
 PLANAR = MECHANISMS["planar"]
 LOSSES = {"input_friction": 0.002, "output_friction": 0.001, "output_drag": 0.2, "output_drag_viscous": 1e-3}
@@ -103,8 +103,10 @@ def test_freewheels_of_a_chart_engage_as_often_as_in_a_run_with_a_heavy_shaft(co
         before = np.array(module.read(counts))
         module.advance(20.0)
         row = int(np.argmin(np.abs(chart.speed_ratio - ratio)))
-        told = np.array([getattr(chart, name)[row] for name in counts])
-        assert np.subtract(module.read(counts), before) / (2000.0 / math.tau) == pytest.approx(told, rel=0.03)
+        expected = np.array([getattr(chart, name)[row] for name in counts])
+        assert np.subtract(module.read(counts), before) / (2000.0 / math.tau) == pytest.approx(
+            expected, rel=0.03
+        )
 
 
 def test_mechanism_accepts_names_and_units():
@@ -112,14 +114,14 @@ def test_mechanism_accepts_names_and_units():
     numbers = compute_chart({"layout": 1, "sun_radius": 0.06, "imbalance_mass": 0.8})
     assert np.array_equal(named.output_torque, numbers.output_torque)
     for bad in ({"layout": "flat"}, {"sun_radius": "60 kg"}, {"sun_radius": None}, {"satellites": [3]}):
-        assert_refused(f"^{next(iter(bad))} must be .* \\(got ", compute_chart, bad)
+        assert_rejected(f"^{next(iter(bad))} must be .* \\(got ", compute_chart, bad)
 
 
-@pytest.mark.parametrize("name, told", [("housing_freewheel", "0 and 1"), ("output_freewheel", "1 and 0")])
-def test_without_a_freewheel_there_is_no_chart(name, told):
+@pytest.mark.parametrize("name, values", [("housing_freewheel", "0 and 1"), ("output_freewheel", "1 and 0")])
+def test_without_a_freewheel_there_is_no_chart(name, values):
     for losses in ({}, {"input_friction": 0.1}):
         with pytest.raises(
-            InertiaModuleError, match=f"must be 1 .got {told}.: without both freewheels there is no"
+            InertiaModuleError, match=f"must be 1 .got {values}.: without both freewheels there is no"
         ):
             compute_chart({name: 0, **losses})
 
@@ -135,8 +137,8 @@ def table_of(parameters, omega1):
 def block(table, omega1, speed_ratio):
     """Return input and output torque of a lookup block with this table."""
     k = np.interp(speed_ratio, table.speed_ratio, table.capacity_factor)
-    taken = (omega1 / k) ** 2
-    return taken, np.interp(speed_ratio, table.speed_ratio, table.torque_ratio) * taken
+    input_torque = (omega1 / k) ** 2
+    return input_torque, np.interp(speed_ratio, table.speed_ratio, table.torque_ratio) * input_torque
 
 
 @pytest.mark.parametrize(
@@ -149,14 +151,14 @@ def test_table_is_finite_and_gives_the_torques_of_the_chart(parameters, omega1):
     assert all(np.isfinite(values).all() for values in vars(table).values())
     assert (np.diff(table.speed_ratio) > 0.0).all()
     assert table.speed_ratio[0] == 0.0
-    assert table.torque_ratio.max() <= LARGEST_TORQUE_RATIO * (1.0 + 1e-12)
-    taken, passed = block(table, omega1, table.speed_ratio)
-    assert passed == pytest.approx(table.output_torque, rel=1e-12, abs=1e-12)
-    limited = table.torque_ratio > LARGEST_TORQUE_RATIO * (1.0 - 1e-9)
+    assert table.torque_ratio.max() <= MAX_TORQUE_RATIO * (1.0 + 1e-12)
+    input_torque, output_torque = block(table, omega1, table.speed_ratio)
+    assert output_torque == pytest.approx(table.output_torque, rel=1e-12, abs=1e-12)
+    limited = table.torque_ratio > MAX_TORQUE_RATIO * (1.0 - 1e-9)
     # The capacity factor has no sign. The column of the input torque shows that the shaft drives link 1.
     expected, floor = np.maximum(table.input_torque, 0.0), 1e-4 * table.input_torque.max()
-    assert taken[~limited] == pytest.approx(expected[~limited], rel=1e-9, abs=1.01 * floor)
-    assert (taken[limited] >= table.input_torque[limited] * (1.0 - 1e-9)).all()
+    assert input_torque[~limited] == pytest.approx(expected[~limited], rel=1e-9, abs=1.01 * floor)
+    assert (input_torque[limited] >= table.input_torque[limited] * (1.0 - 1e-9)).all()
 
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)
@@ -165,10 +167,10 @@ def test_between_its_rows_a_block_has_the_torque_of_the_module(compiled, mechani
     table = table_of(settings, 100.0)
     for ratio in (0.0, 0.0525, 0.3333, 0.721):
         module = started(compiled, settings, fidelity=1, omega1=100.0, omega_out_start=100.0 * ratio)
-        taken, passed = block(table, 100.0, ratio)
-        assert passed == pytest.approx(module["output_torque"], rel=5e-3)
+        input_torque, output_torque = block(table, 100.0, ratio)
+        assert output_torque == pytest.approx(module["output_torque"], rel=5e-3)
         if ratio > 0.04:
-            assert taken == pytest.approx(ratio * module["output_torque"], rel=5e-3)
+            assert input_torque == pytest.approx(ratio * module["output_torque"], rel=5e-3)
 
 
 def test_coasting_torque_is_zero_without_losses():
@@ -199,8 +201,8 @@ def test_vecto_table_has_the_torques_of_the_chart(tmp_path, parameters, omega1):
     ratio, torque_ratio, reference = np.array(rows, dtype=float).T
     assert ratio.tolist() == table["speed_ratio"].tolist()
     assert torque_ratio * reference == pytest.approx(table["output_torque"], rel=1e-12, abs=1e-12)
-    assert np.abs(torque_ratio).max() <= LARGEST_TORQUE_RATIO * (1.0 + 1e-12)
-    limited = np.abs(torque_ratio) > LARGEST_TORQUE_RATIO * (1.0 - 1e-9)
+    assert np.abs(torque_ratio).max() <= MAX_TORQUE_RATIO * (1.0 + 1e-12)
+    limited = np.abs(torque_ratio) > MAX_TORQUE_RATIO * (1.0 - 1e-9)
     floor = 1.01e-4 * table["input_torque"].max()
     assert reference[~limited] == pytest.approx(table["input_torque"][~limited], rel=1e-9, abs=floor)
     assert (reference[-1] < 0.0) == ("output_drag" in parameters)
@@ -210,7 +212,7 @@ def test_mechanism_without_torque_is_rejected():
     chart = compute_chart({})
     none = {name: 0.0 * values for name, values in vars(chart).items() if values is not None}
     words = "a converter table requires torque; the mechanism transmits none at 100 rad/s"
-    assert_refused(words, converter_table, SteadyMachine({}), TorqueConverterChart(**none), 100.0)
+    assert_rejected(words, converter_table, SteadyMachine({}), TorqueConverterChart(**none), 100.0)
 
 
 # --- steady pulses: closed forms with friction (test_averaged_map.py tests them without losses) ---
@@ -221,14 +223,14 @@ def test_friction_of_input_and_output_reduces_the_torques(omega1, ratio):
     """Friction does not change the pulses: b1 omega1^2 and b3 omega3^2 add to the ideal powers."""
     b1, b3 = 0.01, 0.02
     ideal = SteadyMachine(PLANAR).at(omega1, ratio)
-    rubbed = {**PLANAR, "input_friction": b1, "output_friction": b3}
-    found = SteadyMachine(rubbed).at(omega1, ratio)
+    with_friction = {**PLANAR, "input_friction": b1, "output_friction": b3}
+    means = SteadyMachine(with_friction).at(omega1, ratio)
     shaft = ratio * abs(omega1)
-    assert found.output_torque == pytest.approx(ideal.output_torque - b3 * shaft, rel=1e-5)
-    assert found.input_torque == pytest.approx(ideal.input_torque + b1 * abs(omega1), rel=1e-5)
+    assert means.output_torque == pytest.approx(ideal.output_torque - b3 * shaft, rel=1e-5)
+    assert means.input_torque == pytest.approx(ideal.input_torque + b1 * abs(omega1), rel=1e-5)
     power = ideal.output_torque * shaft
     expected = (power - b3 * shaft**2) / (power + b1 * omega1**2)
-    assert found.efficiency == pytest.approx(max(expected, 0.0), abs=1e-5)
+    assert means.efficiency == pytest.approx(max(expected, 0.0), abs=1e-5)
 
 
 def test_chart_ends_at_zero_output_torque_and_efficiency():
@@ -256,42 +258,42 @@ def small_maps(monkeypatch):
 
 @pytest.mark.usefixtures("small_maps")
 def test_map_depends_on_speed_with_viscous_friction_and_agrees_with_the_chart():
-    told = []
+    fractions = []
     parameters = {**PLANAR, "input_friction": 0.01}
-    found = steady_map(SteadyMachine(parameters), 200.0, told.append)
-    efficiency = found["efficiency"]
-    assert efficiency.shape == (found["omega1"].size, FEW.size)
-    assert found["omega1"][[0, -1]] == pytest.approx([20.0, 200.0])
-    assert told[-1] == 1.0
+    speed_map = steady_map(SteadyMachine(parameters), 200.0, fractions.append)
+    efficiency = speed_map["efficiency"]
+    assert efficiency.shape == (speed_map["omega1"].size, FEW.size)
+    assert speed_map["omega1"][[0, -1]] == pytest.approx([20.0, 200.0])
+    assert fractions[-1] == 1.0
     middle = efficiency[:, 7]
     assert (np.diff(middle) > 0.0).all()
     # Torques scale with the square of the speed, so the loss is b1 over a torque times the speed.
     assert 1.0 / middle - 1.0 == pytest.approx(
-        (1.0 / middle[0] - 1.0) * found["omega1"][0] / found["omega1"], rel=1e-4
+        (1.0 / middle[0] - 1.0) * speed_map["omega1"][0] / speed_map["omega1"], rel=1e-4
     )
     chart = compute_chart(parameters, omega1=200.0)
-    assert chart.speed_ratio == pytest.approx(found["speed_ratio"])
+    assert chart.speed_ratio == pytest.approx(speed_map["speed_ratio"])
     assert chart.efficiency == pytest.approx(efficiency[-1], abs=1e-6)
     assert chart.efficiency.max() < 1.0
     lossy = chart_figure({"rubbed": chart}).axes
     assert len(lossy) == 7
     assert [axes.get_ylim() for axes in lossy if axes.get_ylabel() == "efficiency [%]"] == [(0.0, 100.0)]
-    axes = chart_figure({"rubbed": chart}, {"map": found}, "rpm").axes
-    drawn = next(one for one in axes if one.get_title(loc="left") == "efficiency of map")
-    assert drawn.get_ylabel() == "input speed [rpm]"
-    assert drawn.get_ylim()[1] == pytest.approx(200.0 * 30.0 / math.pi)
+    axes = chart_figure({"rubbed": chart}, {"map": speed_map}, "rpm").axes
+    panel = next(axis for axis in axes if axis.get_title(loc="left") == "efficiency of map")
+    assert panel.get_ylabel() == "input speed [rpm]"
+    assert panel.get_ylim()[1] == pytest.approx(200.0 * 30.0 / math.pi)
 
 
 @pytest.mark.usefixtures("small_maps")
 def test_row_of_the_map_agrees_with_a_rigid_run(compiled, tmp_path):
     """The flywheel gives the torque, the energies give input torque and loss, and samples give the ripple."""
-    found = steady_map(SteadyMachine(LOSSY), 200.0, lambda _: None)
-    rows = read_columns(save_map(found, tmp_path / "map", "rpm")[0])[0]
+    speed_map = steady_map(SteadyMachine(LOSSY), 200.0, lambda _: None)
+    rows = read_columns(save_map(speed_map, tmp_path / "map", "rpm")[0])[0]
     omega1, inertia, step = 200.0, 1e5, 1e-4
     names = ("output_torque", "drive_angle", "drive_turns", "omega_out", "energy_in", "energy_lost")
     for ratio in FEW[[4, 7, 10]]:
-        at = {"omega1": omega1, "omega_out_start": ratio * omega1, "output_inertia": inertia}
-        module = started(compiled, LOSSY, **at)
+        point = {"omega1": omega1, "omega_out_start": ratio * omega1, "output_inertia": inertia}
+        module = started(compiled, LOSSY, **point)
         module.advance(0.5)
         samples = []
         for _ in range(10_000):
@@ -299,19 +301,21 @@ def test_row_of_the_map_agrees_with_a_rigid_run(compiled, tmp_path):
             samples.append(module.read(names))
         torque, angle, turns, *sums = np.array(samples).T
         # Use whole turns of the drive, after which the imbalances have the same speed again.
-        turned = angle / math.tau + turns - turns[0] - angle[0] / math.tau
-        end = int(np.argmin(np.abs(turned - np.floor(turned[-1]))))
-        faster, taken, lost = ((values[end] - values[0]) / (end * step) for values in sums)
+        turns_done = angle / math.tau + turns - turns[0] - angle[0] / math.tau
+        end = int(np.argmin(np.abs(turns_done - np.floor(turns_done[-1]))))
+        acceleration, input_power, lost_power = ((values[end] - values[0]) / (end * step) for values in sums)
         row = int(np.flatnonzero(np.isclose(rows["speed_ratio"], ratio))[-1])
-        told = {name: values[row] for name, values in rows.items()}
-        assert told["omega1"] == pytest.approx(omega1 * 30.0 / math.pi)
-        assert told["output_torque"] == pytest.approx(inertia * faster, rel=5e-3)
-        assert told["input_torque"] == pytest.approx(taken / omega1, rel=5e-3)
-        assert told["loss"] == pytest.approx(lost, rel=5e-3)
-        assert told["ripple"] == pytest.approx(np.std(torque[:end]), rel=5e-3)
-        power_out = ratio * omega1 * told["output_torque"]
-        assert told["loss"] == pytest.approx(told["input_torque"] * omega1 - power_out, rel=1e-3)
-        assert told["efficiency"] == pytest.approx(power_out / (omega1 * told["input_torque"]), abs=1e-5)
+        map_row = {name: values[row] for name, values in rows.items()}
+        assert map_row["omega1"] == pytest.approx(omega1 * 30.0 / math.pi)
+        assert map_row["output_torque"] == pytest.approx(inertia * acceleration, rel=5e-3)
+        assert map_row["input_torque"] == pytest.approx(input_power / omega1, rel=5e-3)
+        assert map_row["loss"] == pytest.approx(lost_power, rel=5e-3)
+        assert map_row["ripple"] == pytest.approx(np.std(torque[:end]), rel=5e-3)
+        power_out = ratio * omega1 * map_row["output_torque"]
+        assert map_row["loss"] == pytest.approx(map_row["input_torque"] * omega1 - power_out, rel=1e-3)
+        assert map_row["efficiency"] == pytest.approx(
+            power_out / (omega1 * map_row["input_torque"]), abs=1e-5
+        )
 
 
 def test_a_long_period_is_cut_off():
@@ -325,24 +329,28 @@ def test_force_on_bearing_and_mount_with_link_2_held(satellites):
     lengths = {"sun_radius": 0.1, "satellite_radius": 0.06, "eccentricity": 0.04, "imbalance_mass": 0.3}
     machine = SteadyMachine({"layout": "planar", **lengths, "satellites": satellites})
     # The satellite orbits at omega1 and rotates at (1 + R0/r) omega1: its accelerations align once per turn.
-    greatest = 0.3 * 100.0**2 * (0.16 + (1.0 + 0.1 / 0.06) ** 2 * 0.04)
-    assert machine.at(100.0, 0.0).bearing_force == pytest.approx(greatest, rel=1e-9)
+    expected = 0.3 * 100.0**2 * (0.16 + (1.0 + 0.1 / 0.06) ** 2 * 0.04)
+    assert machine.at(100.0, 0.0).bearing_force == pytest.approx(expected, rel=1e-9)
     # Three satellites balance each other.
     force, moment = (
         np.linalg.norm(machine.samples([f"shaking_{load}_{axis}" for axis in "xyz"], 100.0, 0.0), axis=1)
         for load in ("force", "moment")
     )
-    assert force.max() == pytest.approx(greatest if satellites == 1.0 else 0.0, rel=2e-3, abs=1e-6)
+    assert force.max() == pytest.approx(expected if satellites == 1.0 else 0.0, rel=2e-3, abs=1e-6)
     assert moment.max() > 100.0
 
 
 # --- the command ---
 
 
-@pytest.mark.parametrize("speed, told", [("3000", "3000 rad/s (28648 rpm)"), ("3000 rpm", "(3000 rpm)")])
-def test_command_prints_the_speed_and_writes_finite_torques_and_a_converter_table(speed, told, tmp_path):
+@pytest.mark.parametrize(
+    "speed, speed_text", [("3000", "3000 rad/s (28648 rpm)"), ("3000 rpm", "(3000 rpm)")]
+)
+def test_command_prints_the_speed_and_writes_finite_torques_and_a_converter_table(
+    speed, speed_text, tmp_path
+):
     done = succeeded("chart", "examples/planar.toml", "--speed", speed, "-o", tmp_path)
-    assert told in done.output
+    assert speed_text in done.output
     warned = "warning: --speed 3000 has no unit; rad/s is used: 3000 rad/s" in done.stderr
     assert warned == (speed == "3000")
     omega1 = 3000.0 if warned else 100.0 * math.pi
@@ -365,10 +373,10 @@ def test_command_prints_the_speed_and_writes_finite_torques_and_a_converter_tabl
 
 def test_command_draws_engagements_and_prints_the_speed_limit_of_freewheels(tmp_path):
     limits = ("freewheels.indexing_frequency=60 Hz", "freewheels.output.indexing_frequency=10 Hz")
-    given = [word for limit in limits for word in ("--set", limit)]
-    told = json.loads(left("chart", "examples/planar.toml", *given, "-o", tmp_path, "--json"))
-    assert told["charts"]["planar"]["indexing_speed"] == pytest.approx(10.0 * math.tau * 0.6, rel=1e-6)
-    assert told["units"]["planar"]["output_engagements_maximum"] == "1/rev"
+    options = [word for limit in limits for word in ("--set", limit)]
+    printed = json.loads(stdout_of("chart", "examples/planar.toml", *options, "-o", tmp_path, "--json"))
+    assert printed["charts"]["planar"]["indexing_speed"] == pytest.approx(10.0 * math.tau * 0.6, rel=1e-6)
+    assert printed["units"]["planar"]["output_engagements_maximum"] == "1/rev"
     columns, units = read_columns(tmp_path / "planar.csv")
     assert columns["output_engagements"][0] == pytest.approx(5.0 / 3.0, rel=1e-6)
     assert units["housing_engagements"] == "1/rev"
@@ -403,15 +411,15 @@ def test_chart_with_losses_and_lock_up_ends_at_ratio_1():
 def test_command_compares_scenes_and_draws_a_map_of_a_machine_with_losses_only(tmp_path):
     planar, scene = Path("examples/planar.toml"), tmp_path / "rubbed.toml"
     scene.write_text(planar.read_text().replace("[mechanism]", "[mechanism]\ninput_friction = 0.005"))
-    told = json.loads(left("chart", scene, planar, "-o", tmp_path / "out", "--json"))["charts"]
-    assert told["planar"]["efficiency_maximum"] == 1.0
-    assert 0.5 < told["rubbed"]["efficiency_maximum"] < 1.0
-    for name, numbers in told.items():
+    printed = json.loads(stdout_of("chart", scene, planar, "-o", tmp_path / "out", "--json"))["charts"]
+    assert printed["planar"]["efficiency_maximum"] == 1.0
+    assert 0.5 < printed["rubbed"]["efficiency_maximum"] < 1.0
+    for name, numbers in printed.items():
         columns, _ = read_columns(tmp_path / "out" / f"{name}.csv")
         assert columns["output_torque"][0] == numbers["stall_torque"] > 0.0
     columns, units = read_columns(tmp_path / "out" / "rubbed_map.csv")
-    assert list(columns) == ["omega1", "speed_ratio", *MAPPED]
-    assert units == {"omega1": "rad/s", **{name: UNITS[name] for name in MAPPED if name != "efficiency"}}
+    assert list(columns) == ["omega1", "speed_ratio", *MAP_COLUMNS]
+    assert units == {"omega1": "rad/s", **{name: UNITS[name] for name in MAP_COLUMNS if name != "efficiency"}}
     assert not list((tmp_path / "out").glob("*map_*"))
     assert not (tmp_path / "out" / "planar_map.csv").exists()
     assert (tmp_path / "out" / "chart.png").read_bytes().startswith(b"\x89PNG")
@@ -419,15 +427,15 @@ def test_command_compares_scenes_and_draws_a_map_of_a_machine_with_losses_only(t
 
 @pytest.mark.usefixtures("small_maps")
 def test_command_writes_the_map_long_wide_and_for_matlab(tmp_path):
-    told = left("chart", "examples/planar.toml", "--map", "--speed", "1500 rpm", "-o", tmp_path)
-    assert "1500 rpm), the reference speed of the converter tables" in told
+    printed = stdout_of("chart", "examples/planar.toml", "--map", "--speed", "1500 rpm", "-o", tmp_path)
+    assert "1500 rpm), the reference speed of the converter tables" in printed
     long, units = read_columns(tmp_path / "planar_map.csv")
     read = loadmat(tmp_path / "planar_map.mat", simplify_cells=True)["map"]
     assert units["omega1"] == read["units"]["omega1"] == "rpm"
     assert read["omega1"] == pytest.approx(1500.0 * SPEEDS, rel=1e-12)
     assert set(long["efficiency"]) == {1.0}
     assert not any(long["loss"])
-    for name in MAPPED:
+    for name in MAP_COLUMNS:
         unit = UNITS.get(name)
         wide, units = read_columns(tmp_path / f"planar_map_{name}.csv")
         assert set(units.values()) == ({unit} if unit else set())

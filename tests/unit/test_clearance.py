@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from refused import REFUSED
+from rejected import REJECTED
 
 from inertia_module.model import DrivenShaft, Module
 from papers.karetin import Geometry
@@ -64,13 +64,13 @@ def test_bevel_satellite_with_impossible_inertias_is_reported(own, across, layou
     assert warned("physically impossible inertia", layout=layout, **values) == (layout == 0 and along < 0.0)
 
 
-@pytest.mark.parametrize("values", REFUSED["buildable"])
+@pytest.mark.parametrize("values", REJECTED["buildable"])
 def test_buildable_mechanism_has_no_warning(values):
     assert Module("plain").start(**values).warnings() == []
     assert DrivenShaft("plain").start().warnings() == []
 
 
-@pytest.mark.parametrize("values, sentence", REFUSED["clearance"])
+@pytest.mark.parametrize("values, sentence", REJECTED["clearance"])
 def test_warning_contains_the_values_and_their_limits(compiled, values, sentence):
     module = Module(compiled).start(**values)
     assert module.warnings() == [sentence]

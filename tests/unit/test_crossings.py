@@ -95,7 +95,7 @@ def test_housing_freewheel_transmits_tiny_torques(compiled, a, drive):
 
 @pytest.mark.parametrize("tolerance", [1e-12, 1e-9])
 @pytest.mark.parametrize("load", [1e-15, 1e-11, 1e-8, -1e-15])
-def test_load_at_rounding_level_on_an_elastic_shaft_at_rest_is_no_trouble(compiled, tolerance, load):
+def test_load_at_rounding_level_on_an_elastic_shaft_at_rest_is_simulated(compiled, tolerance, load):
     shaft = {"fidelity": 3, "driven_inertia": 0.1, "shaft_stiffness": 100.0, "output_inertia": 0.793}
     light = {"imbalance_mass": 1e-9, "link2_inertia": 0.0066, "wheel_radius": 0.02}
     for satellites, step in itertools.product((1, 4), (2.4e-4, 5.3e-4, 0.27)):

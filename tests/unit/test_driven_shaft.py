@@ -138,7 +138,7 @@ def test_ramp_from_rest_is_exact(compiled, h):
 
 
 @pytest.mark.parametrize("damping", [0.05, 10.0, 300.0])
-def test_twist_and_torque_keep_their_digits_after_the_hub_ran_to_a_huge_speed_and_back(compiled, damping):
+def test_twist_and_torque_keep_their_digits_after_a_huge_hub_speed(compiled, damping):
     """The fully balanced driven mass follows; the difference of two huge speeds is small."""
     shaft = DrivenShaft(compiled).start(shaft_damping=damping, balancer=1.0, input_hold=1)
     shaft.advance(2.0**-17)

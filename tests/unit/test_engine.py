@@ -36,7 +36,7 @@ def test_speed_and_energy_with_a_load_inertia_agree_with_a_fine_integration():
 
 
 @pytest.mark.parametrize("step", [0.0007, 0.003, 0.005, 0.0125, 0.15])
-def test_how_a_time_is_cut_into_steps_makes_no_difference(step):
+def test_division_of_a_time_into_steps_has_no_influence(step):
     governor = Governor(3.0, 20.0, 0.005)
     whole, cut = engine(governor), engine(governor)
     whole.state = whole.after(0.3, 30.0)

@@ -148,7 +148,7 @@ def test_mesh_torque_with_link_2_held_by_hand(chance):
     assert m.housing == pytest.approx(-mesh, rel=1e-12)
 
 
-def test_toggled_bits():
+def test_every_bit_of_the_mode_can_be_toggled():
     for signs in range(16):
         for n in range(6):
             assert toggle_bit(float(signs), n) == signs ^ (1 << n)

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 
 from inertia_module.common import files
 from inertia_module.common.examples import example
 from inertia_module.fidelity import levels, measure
 from inertia_module.fidelity.choice import best_rows, choose, recommend
 from inertia_module.fidelity.level_table import print_levels
-from inertia_module.fidelity.levels import at_level, event
+from inertia_module.fidelity.levels import at_level, event_level
 from inertia_module.fidelity.measure import run_in_process, window_errors
 from inertia_module.fidelity.rows import Row
 from inertia_module.fmi.simulate import Result
@@ -41,7 +41,7 @@ def folder(tmp_path_factory):
 @pytest.fixture(autouse=True)
 def cache(folder, monkeypatch):
     """Store the measurements of these tests in their own folder, so that each scene is measured once."""
-    monkeypatch.setattr(measure, "kept", partial(files.kept, folder=folder))
+    monkeypatch.setattr(measure, "cached", partial(files.cached, folder=folder))
 
 
 # --- the scene ---
@@ -53,11 +53,11 @@ def test_fidelity_of_a_scene_can_be_replaced():
     auto = rigid.with_fidelity("auto", 0.05)
     assert auto.chooses_fidelity
     assert auto.accuracy.error == 0.05
-    assert_refused(r"mechanism\.fidelity must be .* .got 'ideal'.", rigid.with_fidelity, "ideal")
+    assert_rejected(r"mechanism\.fidelity must be .* .got 'ideal'.", rigid.with_fidelity, "ideal")
 
 
 def test_scene_with_fidelity_auto_cannot_run(tmp_path):
-    assert_refused("must be a named level .got 'auto'.*Choose one", run_scene, SCENE, tmp_path / "none.fmu")
+    assert_rejected("must be a named level .got 'auto'.*Choose one", run_scene, SCENE, tmp_path / "none.fmu")
 
 
 # --- the levels of fidelity ---
@@ -74,16 +74,16 @@ def test_outputs_that_a_level_does_not_model_are_outputs_of_the_module_with_a_re
 
 def test_level_replaces_the_settings_of_a_scene():
     fixed = {"fidelity": "rigid", "method": "timestepping", "max_step": "0.1 ms"}
-    scene = at_level(SCENE.replaced(mechanism=fixed), event(2, 1e-6))
+    scene = at_level(SCENE.replaced(mechanism=fixed), event_level(2, 1e-6))
     assert scene.accuracy.tolerance == 1e-6
     assert not {"method", "max_step"} & scene.parameters().keys()
 
 
 def test_driven_mass_is_rigid_with_the_hub_at_level_rigid():
     shaft = SCENE.replaced(mechanism={"driven_inertia": 0.3, "output_inertia": 0.1})
-    rigid = at_level(shaft, event(2, 1e-6))
+    rigid = at_level(shaft, event_level(2, 1e-6))
     assert rigid.parameters()["output_inertia"] == pytest.approx(0.1 + 0.3 + 0.2)
-    elastic = at_level(shaft, event(3, 1e-6))
+    elastic = at_level(shaft, event_level(3, 1e-6))
     assert elastic.parameters()["output_inertia"] == 0.1
     assert elastic.parameters()["driven_inertia"] == pytest.approx(0.3 + 0.2)
     assert levels.reference_level(shaft).fidelity == 3
@@ -123,7 +123,7 @@ def test_errors_are_maximum_differences_over_windows(name, values, exact, window
 
 
 def test_run_in_memory_equals_the_run_of_the_fmu(built):
-    rigid = at_level(SCENE, event(2, 1e-8))
+    rigid = at_level(SCENE, event_level(2, 1e-8))
     record = run_in_process(rigid)
     fmu = run_scene(rigid, built / "InertiaModule.fmu").record
     for name in ("omega_out", "output_torque_mean", "load_torque"):
@@ -135,7 +135,7 @@ def test_chosen_level_meets_the_error_in_all_outputs(first):
     chosen, choice = choose(SCENE.replaced(run={"outputs": [first, "output_torque_mean"]}))
     assert not chosen.chooses_fidelity
     fidelity = int(chosen.parameters()["fidelity"])
-    exact = run_in_process(at_level(SCENE, event(2, 1e-12)))
+    exact = run_in_process(at_level(SCENE, event_level(2, 1e-12)))
     errors = window_errors(run_in_process(chosen), exact, 0.1, fidelity)
     assert choice.outputs == (first, "output_torque_mean")
     assert all(errors[name] <= 0.02 for name in choice.outputs)
@@ -272,7 +272,7 @@ def test_choice_prints_reasons_and_the_cost_of_the_next_level():
     ],
 )
 def test_unreachable_error_is_rejected_with_the_best_level(rows, error, outputs, words):
-    assert_refused(words, recommend, rows, error, outputs.split())
+    assert_rejected(words, recommend, rows, error, outputs.split())
 
 
 # --- on a terminal ---

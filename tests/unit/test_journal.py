@@ -4,7 +4,7 @@ import csv
 import math
 
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 
 from inertia_module.studies.evaluation import Batch, Evaluator, Row, Task, write_tables
 
@@ -23,20 +23,20 @@ def evaluator(folder, name="one"):
 
 def test_stored_rows_are_exact_and_a_truncated_row_is_missing(tmp_path):
     first = evaluator(tmp_path)
-    first.keep(Batch(ROWS[:1], {"energy_in": "J"}))
-    first.keep(Batch(ROWS[1:2], {}))
+    first.add_batch(Batch(ROWS[:1], {"energy_in": "J"}))
+    first.add_batch(Batch(ROWS[1:2], {}))
     assert evaluator(tmp_path)(POINTS[:2]) == ROWS[:2]
     first.path.write_bytes(first.path.read_bytes()[:-5])
     again = evaluator(tmp_path)
     assert again.units == {"energy_in": "J"}
     assert again.missing([*POINTS, *POINTS]) == POINTS[1:]
-    again.keep(Batch(ROWS[1:], {}))
+    again.add_batch(Batch(ROWS[1:], {}))
     assert evaluator(tmp_path)(POINTS) == ROWS
 
 
 def test_results_of_another_task_are_not_mixed_in(tmp_path):
     evaluator(tmp_path)
-    assert_refused("another scene", evaluator, tmp_path, "other")
+    assert_rejected("another scene", evaluator, tmp_path, "other")
 
 
 def test_tables_have_units_and_omit_missing_columns(tmp_path):

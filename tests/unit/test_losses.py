@@ -135,7 +135,7 @@ def test_jump_after_many_short_steps_of_a_freewheel_at_its_limit(compiled):
 
 @pytest.mark.parametrize("drive", [0, 1], ids=["by speed", "by torque"])
 @pytest.mark.parametrize("loss", ["mesh_efficiency", "satellite_mesh_efficiency"])
-def test_jamming_is_looked_for_in_few_turns_of_many_teeth(monkeypatch, drive, loss):
+def test_jamming_is_searched_in_few_turns_of_many_teeth(monkeypatch, drive, loss):
     looks = []
 
     def look(*arguments):

@@ -4,7 +4,7 @@ import math
 
 import pytest
 import scenes
-from refused import assert_refused
+from rejected import assert_rejected
 from scenes import ACCOUNTS, LEVELS, MEANS, MOTION, advanced, motions, passed, started
 
 from inertia_module.kernel import codes
@@ -130,7 +130,7 @@ def test_invalid_state_is_rejected_without_effect(compiled):
         "zeros": bytes(len(saved)),
     }
     for name, state in damaged.items():
-        assert_refused("the state must be saved by this build", module.restore, state)
+        assert_rejected("the state must be saved by this build", module.restore, state)
         assert module.save() == saved, name
 
 
@@ -199,7 +199,7 @@ def test_only_the_selected_drive_input_does_work(compiled, scene):
 
 
 @pytest.mark.parametrize("layout", scenes.DRIVEN)
-def test_torque_with_a_rate_counts_by_its_mean_over_the_step(compiled, layout):
+def test_torque_with_a_rate_acts_by_its_mean_over_the_step(compiled, layout):
     ramp, mean = (started(compiled, scenes.DRIVEN[layout], drive_torque=10.0) for _ in range(2))
     ramp.set_rates(drive_torque=400.0, load_torque=-100.0)
     advanced(ramp, 0.05)

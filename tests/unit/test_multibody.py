@@ -13,7 +13,7 @@ from inertia_module.kernel.equations.states import RATIO_PRESCRIBED
 from inertia_module.kernel.layout import imbalance_motion
 from inertia_module.kernel.links import kinetic_energy
 from inertia_module.kernel.loads import write_loads
-from verification.reference.cases import A1, A2, A3, CLOSED, OMEGA1, OPEN, SUMS, THETA1, Machine, Q
+from verification.reference.cases import A1, A2, A3, CLOSED, FIRST_INTEGRAL, OMEGA1, OPEN, THETA1, Machine, Q
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -161,7 +161,7 @@ def test_accelerations_with_losses_agree_with_inverse_dynamics(layout, satellite
     # With this stiffness the hinge slides at any acceleration.
     model.dof_solref[multibody.names.index("link 2")] = -1.0, -1e9
     model.opt.gravity[2] = -p["gravity"]
-    machine, y = Machine(multibody.p), np.zeros(SUMS)
+    machine, y = Machine(multibody.p), np.zeros(FIRST_INTEGRAL)
     for q, theta1, omega1, alpha1, omega2, alpha2 in states(20, 7):
         ahead = abs(omega2)  # The housing freewheel overruns.
         m1, m2 = multibody.prescribe(q, theta1, omega1, alpha1, ahead, alpha2)

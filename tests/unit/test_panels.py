@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from inertia_module.common.units import printed_unit
-from inertia_module.plots.panels import SLIDE, envelope, sheet, single_panel
+from inertia_module.plots.panels import SLIDE, envelope, new_figure, single_panel
 
 
 def figure_with_two_axes():
     """Return a figure: above a panel with a second axis, below a map with a colour bar, the same x axis."""
-    figure = sheet("title")
+    figure = new_figure("title")
     upper, lower = figure.subplots(2, 1, sharex=True)
     upper.plot([0.0, 1.0], [0.0, 2.0])
     upper.twinx().set_ylabel("efficiency [%]")

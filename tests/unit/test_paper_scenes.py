@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from refused import REFUSED, assert_refused
+from rejected import REJECTED, assert_rejected
 
 from inertia_module.plots.scenes import scene_figure
 from inertia_module.scene import load_any_scene, load_scene, run_scene, run_shaft_scene
@@ -14,7 +14,7 @@ from papers.karetin import Geometry, dynamic_mode, exact
 from papers.lysenko import EXAMPLE
 from papers.lysenko import exact as lysenko_at
 from papers.stelmashchuk import Criteria, response
-from tests.system.programs import command, is_one_line, left
+from tests.system.programs import assert_one_line_error, command, stdout_of
 
 PAPERS = Path(__file__).parents[2] / "examples" / "papers"
 SHAFT = PAPERS / "stelmashchuk_stepping.toml"
@@ -86,17 +86,17 @@ def test_hub_by_table_with_a_load(built):
     assert result.summary["energy_residual_relative"] < 1e-12
 
 
-@pytest.mark.parametrize("key, value, line", REFUSED["shaft_scenes"])
+@pytest.mark.parametrize("key, value, line", REJECTED["shaft_scenes"])
 def test_error_is_a_line(key, value, line):
-    assert_refused(f"^{SHAFT.name}: {line}", load_any_scene, SHAFT, {key: value})
+    assert_rejected(f"^{SHAFT.name}: {line}", load_any_scene, SHAFT, {key: value})
 
 
 def test_shaft_scene_is_not_a_module_scene():
-    assert_refused(r"unknown key 'shaft'; available: title, ", load_scene, SHAFT)
+    assert_rejected(r"unknown key 'shaft'; available: title, ", load_scene, SHAFT)
     message = "error: --fidelity, --error and --view require a scene of the module"
-    is_one_line(command("run", SHAFT, "--fidelity", "rigid"), message)
+    assert_one_line_error(command("run", SHAFT, "--fidelity", "rigid"), message)
 
 
 def test_command_runs_a_shaft(built, tmp_path):
-    left("run", SHAFT, "--fmu", built / "DrivenShaft.fmu", "-o", tmp_path / "out")
+    stdout_of("run", SHAFT, "--fmu", built / "DrivenShaft.fmu", "-o", tmp_path / "out")
     assert {file.name for file in (tmp_path / "out").iterdir()} == {"table.csv", "summary.json", "plot.png"}

@@ -78,8 +78,8 @@ def test_held_momentum_changes_by_the_torque_of_the_housing_and_free_flight_begi
     housing = -solve_at(module, True, False, q=q, omega1=direction, omega2=0.0).mesh
     assert_rates(2.0 * housing / (d.k * direction), lambda angle: momentum(q + angle))
     for kind, value in ((periodic_orbit.FLIGHT_SPEED, 0.0), (periodic_orbit.FLIGHT_SLIP, -1.0)):
-        found = periodic_orbit.quantity(d, kind, direction, momentum(q), q)
-        assert found == pytest.approx(value, abs=1e-12)
+        computed = periodic_orbit.quantity(d, kind, direction, momentum(q), q)
+        assert computed == pytest.approx(value, abs=1e-12)
 
 
 def test_maximum_is_the_closed_form_of_the_planar_module():

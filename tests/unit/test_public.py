@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 
 import inertia_module
 from inertia_module import PUBLIC, Result
@@ -38,8 +38,8 @@ def test_public_names_resolve_to_their_objects_for_type_checkers(name):
 def test_stub_for_type_checkers_names_the_same_and_an_unknown_name_is_an_attribute_error():
     stub = ast.parse(Path(inertia_module.__file__).with_suffix(".pyi").read_text())
     imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
-    found = {alias.name: node.module for node in imports for alias in node.names}
-    assert found == PUBLIC
+    modules = {alias.name: node.module for node in imports for alias in node.names}
+    assert modules == PUBLIC
     with pytest.raises(AttributeError, match="has no attribute 'nothing'"):
         _ = inertia_module.nothing
 
@@ -119,46 +119,48 @@ def test_result_plots_the_requested_columns():
     figure = table().plot("omega")
     assert [axis.get_ylabel() for axis in figure.axes] == ["rad/s"]
     assert len(table().plot().axes) == 2
-    assert_refused(r"^unknown column 'alpha'; available: time, omega, M$", table().plot, "alpha")
+    assert_rejected(r"^unknown column 'alpha'; available: time, omega, M$", table().plot, "alpha")
 
 
 def test_result_of_a_scene_is_a_table_too(tmp_path):
-    found = of_scene()
-    assert (found["omega"] == found.record["omega"]).all()
-    assert "omega" in found
-    assert "alpha" not in found
-    written = [one.to_csv(tmp_path / "t.csv").read_bytes() for one in (found, found.table)]
+    result = of_scene()
+    assert (result["omega"] == result.record["omega"]).all()
+    assert "omega" in result
+    assert "alpha" not in result
+    written = [table.to_csv(tmp_path / "t.csv").read_bytes() for table in (result, result.table)]
     assert written[0] == written[1]
     with pytest.raises(ValueError, match=r"unknown column 'omga'; did you mean 'omega'\?$"):
-        found["omga"]
+        result["omga"]
 
 
 def test_missing_number_of_a_summary_is_reported():
     remarks = {"time_to_50_kmh": "not reached (maximum 40 km/h)"}
-    found = of_scene(quantities={"efficiency": Quantity(0.5, "")}, remarks=remarks)
+    result = of_scene(quantities={"efficiency": Quantity(0.5, "")}, remarks=remarks)
     with pytest.raises(KeyError, match=r"^unknown metric .* 'eficiency'; did you mean 'efficiency'\?$"):
-        found.summary["eficiency"]
+        result.summary["eficiency"]
     with pytest.raises(ValueError, match=r"^time_to_50_kmh: not reached \(maximum 40 km/h\)$"):
-        found.summary["time_to_50_kmh"]
-    assert found.lines() == {"efficiency": "0.5", "time to 50 km/h": "not reached (maximum 40 km/h)"}
+        result.summary["time_to_50_kmh"]
+    assert result.lines() == {"efficiency": "0.5", "time to 50 km/h": "not reached (maximum 40 km/h)"}
 
 
 @pytest.mark.parametrize("name", ["omega_2", "Omega_out", "load torque", "torque", "imbalance", "xyz", ""])
-@pytest.mark.parametrize("ask", [Module("plain").__getitem__, lambda name: unknown("output", name, BY_NAME)])
-def test_unknown_name_suggests_similar_names_only(name, ask):
+@pytest.mark.parametrize(
+    "lookup", [Module("plain").__getitem__, lambda name: unknown("output", name, BY_NAME)]
+)
+def test_unknown_name_suggests_similar_names_only(name, lookup):
     try:
-        said = str(ask(name))
-    except InertiaModuleError as refusal:
-        said = str(refusal)
-    assert "did you mean" in said or (name in ("xyz", "") and "and 114 more" in said)
-    assert len(said) < 400
+        message = str(lookup(name))
+    except InertiaModuleError as error:
+        message = str(error)
+    assert "did you mean" in message or (name in ("xyz", "") and "and 114 more" in message)
+    assert len(message) < 400
 
 
 def test_result_in_a_notebook_is_picture_and_table():
     assert table()._repr_png_().startswith(b"\x89PNG")
-    shown = table()._repr_html_()
-    assert "<th>omega [rad/s]</th>" in shown
-    assert shown.count("<tr>") == 12
-    assert "<td>…</td>" in shown
+    html = table()._repr_html_()
+    assert "<th>omega [rad/s]</th>" in html
+    assert html.count("<tr>") == 12
+    assert "<td>…</td>" in html
     assert Result.from_columns({"time": [0.0], "a<b": [1.0]})._repr_html_().count("<tr>") == 2
     assert "a&lt;b" in Result.from_columns({"time": [0.0], "a<b": [1.0]})._repr_html_()

@@ -103,23 +103,27 @@ SLOWER_ABOVE_50 = showing(omega_out=lambda m, _: m["omega_out"] * (0.999 if abs(
 
 
 @pytest.mark.parametrize(
-    "invariant, asked, planted",
+    "invariant, parameter, planted",
     [
         ("Th, Tc >= 0", "", PULLING),
-        (REFERENCE, "", faulty(told=lambda p: {"imbalance_mass": 1.001 * p.get("imbalance_mass", 1.0)})),
+        (
+            REFERENCE,
+            "",
+            faulty(change_start=lambda p: {"imbalance_mass": 1.001 * p.get("imbalance_mass", 1.0)}),
+        ),
         ("restored state", "", faulty(after_restore=lose_digits)),
         ("long and short steps", "", faulty(add_to_the_shaft)),
         ("speed scaling", "", SLOWER_ABOVE_50),
         ("finite", "", showing(input_torque_mean=math.nan)),
         ("OverflowError: too large", "", raising(OverflowError("too large"))),
-        (REFERENCE, "mesh_efficiency", faulty(told=less_lost)),
+        (REFERENCE, "mesh_efficiency", faulty(change_start=less_lost)),
         ("lost energy regained", "journal_friction", REGAINING),
         ("torque or slip is 0", "housing_drag", DRAGGING),
     ],
 )
-def test_planted_failure_is_found(planted, asked, invariant):
-    chosen = motions(RIGID_LEVEL, 40 if asked else 12, losses=bool(asked))
-    chosen = [motion for motion in chosen if not asked or asked in motion.parameters][:15]
+def test_planted_failure_is_found(planted, parameter, invariant):
+    chosen = motions(RIGID_LEVEL, 40 if parameter else 12, losses=bool(parameter))
+    chosen = [motion for motion in chosen if not parameter or parameter in motion.parameters][:15]
     assert any(invariant in examine(motion, planted, invariant == REFERENCE).failed for motion in chosen)
 
 

@@ -53,7 +53,7 @@ def test_explicit_pair_integrates_powers_up_to_its_order(pair, end, order):
     ],
     ids=["fifth", "third", "fourth"],
 )
-def test_error_sees_powers_from_its_order_on(row, pair, end, order):
+def test_error_estimate_detects_powers_from_its_order_on(row, pair, end, order):
     errors = [
         abs(tableau.weighted_sum(row, end, powers(nodes_of(pair), power))) for power in range(order + 1)
     ]
@@ -63,7 +63,7 @@ def test_error_sees_powers_from_its_order_on(row, pair, end, order):
 
 @pytest.mark.parametrize("power", range(7))
 @pytest.mark.parametrize("sigma", SIGMAS)
-def test_inside_of_an_explicit_step(power, sigma):
+def test_dense_output_within_an_explicit_step(power, sigma):
     h, dense, weights = 0.3, [0.0] * 7, [0.0] * tableau.N_STAGES
     rates = powers(nodes_of(tableau.DOP853_ROW), power)
     tableau.fit_dense_output(h, rates, dense)

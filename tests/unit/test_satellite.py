@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from refused import REFUSED, assert_refused
+from rejected import REJECTED, assert_rejected
 
 from inertia_module.common.examples import example
 from inertia_module.scene import load_scene
@@ -94,7 +94,7 @@ def test_derived_parameters_are_written_as_sizes(tmp_path):
 
 @pytest.mark.parametrize(
     "key, value, sentence",
-    [*REFUSED["satellites"], ("satellite.width", None, "^missing key 'mechanism.satellite.width'$")],
+    [*REJECTED["satellites"], ("satellite.width", None, "^missing key 'mechanism.satellite.width'$")],
 )
 def test_contradiction_to_satellite_sizes_is_rejected_in_a_sentence(key, value, sentence):
-    assert_refused(sentence, of_sizes(PLANAR).with_keys, {f"mechanism.{key}": value})
+    assert_rejected(sentence, of_sizes(PLANAR).with_keys, {f"mechanism.{key}": value})

@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 
 from inertia_module.common.errors import SceneError
 from inertia_module.common.units import number_of, parse_unit
@@ -16,7 +16,7 @@ from inertia_module.interface.variables import PARAMETER, with_causality
 from inertia_module.scene import load_scene
 from inertia_module.scene.export_plan import scene_plan
 from inertia_module.scene.reading import scene_text
-from inertia_module.scene.run import start_of
+from inertia_module.scene.run import initial_values
 from inertia_module.scene.schema import Mechanism
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -158,8 +158,8 @@ def test_a_torque_sets_the_drive_and_the_start():
     scene = read(TORQUE)
     assert scene.parameters() == {"input_inertia": 0.2, "drive": 1.0}
     start = {"drive_torque": 12.0, "omega1": pytest.approx(20.0 * math.pi), "load_torque": 10.0}
-    assert start_of(scene)[1] == start
-    assert start_of(read(changed(TORQUE, '\nomega1 = "600 rpm"', "")))[1]["omega1"] == 0.0
+    assert initial_values(scene)[1] == start
+    assert initial_values(read(changed(TORQUE, '\nomega1 = "600 rpm"', "")))[1]["omega1"] == 0.0
     assert read(TORQUE + '\ndrive = "torque"').parameters() == scene.parameters()
     assert read(OPEN + '[mechanism]\ndrive = "speed"').parameters()["drive"] == 0.0
 
@@ -168,7 +168,7 @@ def test_an_engine_is_a_torque_of_its_map_and_carries_its_rotor():
     drive = {"throttle": 0.5, "throttle_over_time": None, "omega1": 100.0}
     scene = load_scene(EXAMPLES / "engine_launch.toml").replaced(drive=drive)
     low, high = scene.drive.torque_map().limits(100.0)
-    values, inputs = start_of(scene)
+    values, inputs = initial_values(scene)
     assert inputs["drive_torque"] == pytest.approx(0.5 * (low + high))
     assert (inputs["omega1"], values["input_inertia"], values["drive"]) == (100.0, 0.15, 1.0)
 
@@ -201,10 +201,10 @@ BASES |= {
     "still": changed(changed(CLOSED, VEHICLE, 'kind = "torque"\ntorque = 1'), '"36 km/h"', "3"),
 }
 # Scenes with a change or an addition, and the words of the error.
-REFUSED = Path(__file__).with_name("refused_scenes.txt").read_text(encoding="utf-8")
+REJECTED = Path(__file__).with_name("rejected_scenes.txt").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("change, words", re.findall(r"(.+)\n    (.+)\n", REFUSED))
+@pytest.mark.parametrize("change, words", re.findall(r"(.+)\n    (.+)\n", REJECTED))
 def test_error_line_names_key_value_and_range(change, words):
     base, old, new = re.fullmatch(r"(\w+)(?:: (.*) =>| \+) ?(.*)", change.replace("\\n", "\n"), re.S).groups()
     text = changed(BASES[base], old, new) if old else BASES[base].replace("[run]", f"{new}\n[run]") or new
@@ -217,14 +217,14 @@ def test_error_line_names_key_value_and_range(change, words):
 
 def test_bad_scene_file_is_named(tmp_path):
     file = tmp_path / "scene.toml"
-    assert_refused(r"^cannot read .*scene.toml: no such file or directory$", load_scene, file)
+    assert_rejected(r"^cannot read .*scene.toml: no such file or directory$", load_scene, file)
     file.write_text(OPEN + "[mechanism]\nz2 = 0")
     allowed = r"must be a whole number between 1 and 1000 \(got 0\)"
-    assert_refused(f"^scene.toml: mechanism.z2 {allowed}$", load_scene, file)
+    assert_rejected(f"^scene.toml: mechanism.z2 {allowed}$", load_scene, file)
 
 
 @pytest.mark.parametrize("name", ["housing_stiffness", "freewheel_stiffness"])
 def test_compliant_freewheels_are_not_exported_as_rigid(name):
     scene = read(OPEN + f'[mechanism]\nfidelity = "elastic"\n{name} = 6000')
-    assert_refused(rf"^mechanism.{name} must be 0 for an export \(got 6000\)\. ", scene_plan, scene)
+    assert_rejected(rf"^mechanism.{name} must be 0 for an export \(got 6000\)\. ", scene_plan, scene)
     assert scene_plan(read(OPEN + f"[mechanism]\n{name} = 6000")).part("module").values[name] == 6000.0

@@ -13,13 +13,13 @@ from inertia_module.analysis.steady_state import SteadyMachine
 from inertia_module.common.errors import InertiaModuleError, UnknownNameError
 from inertia_module.driveline import EngineMap, Governor
 from inertia_module.driveline.cycles import ELEMENTARY_URBAN_CYCLE as CYCLE
-from inertia_module.fidelity.measure import run_in_process, time_of
+from inertia_module.fidelity.measure import kernel_time_of, run_in_process
 from inertia_module.fmi.results import Result
 from inertia_module.interface.variables import BY_NAME, LOSSES
 from inertia_module.plots.scenes import FLOWS, end_of_run, losses, plot, scene_figure
 from inertia_module.plots.studies import chart_figure
 from inertia_module.scene import freewheel_loads, load_scene, run, run_scene, summary_metrics, vehicle_metrics
-from inertia_module.scene.summary_metrics import SUMMARISED, summarise
+from inertia_module.scene.summary_metrics import SUMMARY_VARIABLES, summarise
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 R1 = load_scene(EXAMPLES / "reference.toml").replaced(run={"outputs": None}, accuracy={"tolerance": None})
@@ -54,7 +54,9 @@ def scene(stop=0.5, step=0.001, outputs=None, **tables):
 
 def table(**last):
     """Return a table of two rows; all values are zero, except the arguments in the second row."""
-    columns = {name: np.array([0.0, last.get(name, 0.0)]) for name in (*SUMMARISED, "load_torque", *last)}
+    columns = {
+        name: np.array([0.0, last.get(name, 0.0)]) for name in (*SUMMARY_VARIABLES, "load_torque", *last)
+    }
     return Result.from_columns({"time": np.array([0.0, 1.0]), **columns})
 
 
@@ -69,17 +71,17 @@ def labels(figure):
 def test_load_above_stall_is_reported():
     stall = SteadyMachine({}).at(100.0, 0.0).output_torque
 
-    def told(load, parameters=None, **columns):
+    def warnings_of(load, parameters=None, **columns):
         given = {"omega1": [100.0] * 3, "load_torque": [load] * 3, "omega_out": [3.0, 0.0, 0.0], **columns}
         return run.above_stall(Result.from_columns({"time": [0.0, 1.0, 2.0], **given}), parameters or {})
 
     sentence = f"exceeds the stall torque of {stall:.4g} N.m at 100 rad/s ({stall + 1:.4g} N.m)"
-    assert told(stall + 1.0) == {"load_torque": sentence}
-    assert not told(stall - 1.0)
-    assert not told(stall + 1.0, omega_out=[3.0, 2.0, 1.0])
-    assert not told(stall + 1.0, brake_torque=[0.0, 0.0, 5.0])
-    assert not told(stall + 1.0, omega1=[0.0] * 3)
-    assert not told(stall + 1.0, {"output_freewheel": 0.0})
+    assert warnings_of(stall + 1.0) == {"load_torque": sentence}
+    assert not warnings_of(stall - 1.0)
+    assert not warnings_of(stall + 1.0, omega_out=[3.0, 2.0, 1.0])
+    assert not warnings_of(stall + 1.0, brake_torque=[0.0, 0.0, 5.0])
+    assert not warnings_of(stall + 1.0, omega1=[0.0] * 3)
+    assert not warnings_of(stall + 1.0, {"output_freewheel": 0.0})
 
 
 @pytest.mark.parametrize(
@@ -98,17 +100,17 @@ def test_load_above_stall_is_reported():
 )
 def test_efficiency_is_the_fraction_of_work_without_losses(given, out, stored, lost, efficiency):
     energies = table(energy_in=given, energy_out=out, energy_stored=stored, energy_lost=lost)
-    found = summarise(energies, None, 1.0, {})
-    assert ("efficiency" in found) == (efficiency is not None)
+    summary = summarise(energies, None, 1.0, {})
+    assert ("efficiency" in summary) == (efficiency is not None)
     if efficiency is not None:
-        assert found["efficiency"].value == pytest.approx(efficiency, rel=1e-15)
+        assert summary["efficiency"].value == pytest.approx(efficiency, rel=1e-15)
 
 
 def test_each_loss_is_reported():
     assert len(LOSSES) == 6
     for name in LOSSES:
-        told = summarise(table(energy_in=10.0, energy_lost=2.0, **{name: 2.0}), None, 1.0, {})
-        assert {key: told[key] for key in told if key in LOSSES} == {name: (2.0, "J")}
+        summary = summarise(table(energy_in=10.0, energy_lost=2.0, **{name: 2.0}), None, 1.0, {})
+        assert {key: summary[key] for key in summary if key in LOSSES} == {name: (2.0, "J")}
         assert losses(table(**{name: 2.0})) == [name]
         assert BY_NAME[name].unit == "J"
 
@@ -119,10 +121,10 @@ def test_forces_are_magnitudes_of_recorded_components():
         "satellite_force": 5.0,
         "shaking_force": 7.0,
     }
-    found = summarise(one, None, 1.0, {})
-    assert found["shaking_force_peak"] == (7.0, "N")
-    assert found["shaking_force_rms"].value == pytest.approx(7.0 / math.sqrt(2.0))
-    assert "shaking_moment_peak" not in found
+    summary = summarise(one, None, 1.0, {})
+    assert summary["shaking_force_peak"] == (7.0, "N")
+    assert summary["shaking_force_rms"].value == pytest.approx(7.0 / math.sqrt(2.0))
+    assert "shaking_moment_peak" not in summary
     # Two of three components are no magnitude. A signal that is 0 throughout is not modelled.
     assert not summary_metrics.forces(table(shaking_force_x=2.0, shaking_force_y=1.0))
     assert not summary_metrics.forces(table(satellite_force=0.0))
@@ -142,11 +144,11 @@ def test_maximum_frequency_is_the_mean_of_ten_engagements():
     for step, allowed in ((1e-3, 0.01), (0.015, 0.1)):
         time = np.arange(0.0, 6.0, step)
         count = np.searchsorted(events, time + 1e-9).astype(float)
-        assert freewheel_loads.fastest(time, count) == pytest.approx(50.0, rel=allowed)
+        assert freewheel_loads.maximum_frequency(time, count) == pytest.approx(50.0, rel=allowed)
     few = np.array([0.0, 1.0, 2.0, 5.0]), np.array([0.0, 1.0, 1.0, 3.0])
-    assert freewheel_loads.fastest(*few) == pytest.approx(0.5)
-    assert freewheel_loads.fastest(few[0], np.array([0.0, 0.0, 1.0, 1.0])) == pytest.approx(0.2)
-    assert freewheel_loads.fastest(few[0], np.zeros(4)) == 0.0
+    assert freewheel_loads.maximum_frequency(*few) == pytest.approx(0.5)
+    assert freewheel_loads.maximum_frequency(few[0], np.array([0.0, 0.0, 1.0, 1.0])) == pytest.approx(0.2)
+    assert freewheel_loads.maximum_frequency(few[0], np.zeros(4)) == 0.0
 
 
 def test_overruns_with_engaged_sprags_do_not_count():
@@ -218,7 +220,7 @@ def test_missing_freewheel_has_no_duty(fmu):
 def car(speed, time, **columns):
     """Return a table with a vehicle of these speeds at these times."""
     zeros = ("distance", "load_speed", *(f"{name}_torque" for name in ("rolling", "drag", "slope", "brake")))
-    given = {name: np.zeros(len(time)) for name in (*SUMMARISED, "load_torque", *zeros)}
+    given = {name: np.zeros(len(time)) for name in (*SUMMARY_VARIABLES, "load_torque", *zeros)}
     units = {"reference": "m/s"}
     return Result.from_columns({"time": time, **given, "vehicle_speed": np.array(speed), **columns}, units)
 
@@ -226,8 +228,8 @@ def car(speed, time, **columns):
 def test_times_to_a_speed_count_from_the_last_standstill():
     time = np.linspace(0.0, 2.0, 201)
     record = car(np.interp(time, [0.0, 0.5, 1.0, 1.5, 2.0], [3.0, 0.0, 0.0, 10.0, 20.0]), time)
-    found = summarise(record, None, 1.0, vehicle_metrics.times_to(record, [2.0, 10.0, 15.0, 30.0])[0])
-    times = {name: found[name].value for name in found if name.startswith("time_to_")}
+    summary = summarise(record, None, 1.0, vehicle_metrics.times_to(record, [2.0, 10.0, 15.0, 30.0])[0])
+    times = {name: summary[name].value for name in summary if name.startswith("time_to_")}
     assert times == {"time_to_36_kmh": pytest.approx(0.5), "time_to_54_kmh": pytest.approx(0.75)}
 
 
@@ -242,7 +244,7 @@ def test_torque_limit_is_compared_with_the_peak_without_impacts(fmu):
     result = run_scene(played(torque=1e4), fmu)
     assert result.summary["output_torque_peak"] < 1e4
     (warning,) = [one for one in result.warnings if "impacts" in one]
-    assert "set freewheels.output.stiffness to compare them with the limit, 10000 N.m" in warning
+    assert "Set freewheels.output.stiffness to compare impacts with the limit of 10000 N.m" in warning
     assert not any("housing" in one for one in result.warnings)
     assert not [one for one in run_scene(played(), fmu).warnings if "impacts" in one]
 
@@ -290,7 +292,7 @@ def test_the_tractive_force_accelerates_the_vehicle_and_overcomes_its_resistance
 
 
 @pytest.mark.parametrize("friction, slips", [(2.0, False), (0.15, True)])
-def test_a_launch_beyond_the_grip_has_a_remark_and_a_warning(fmu, friction, slips):
+def test_a_launch_beyond_the_grip_has_a_note_and_a_warning(fmu, friction, slips):
     keys = {"friction_coefficient": friction, "driven_axle_load": "4 kN"}
     launch = load_scene(EXAMPLES / "engine_launch.toml").replaced(load=keys, run={"stop_time": 2.0})
     result = run_scene(launch, fmu)
@@ -342,9 +344,9 @@ def test_time_outside_the_band_counts_steps_that_start_outside():
     time = np.array([0.0, 20.0, 21.0, 24.0, 195.0])
     lower, _ = CYCLE.tolerance_band(time)
     record = car(lower + np.array([0.1, -0.1, 0.1, 0.1, -0.1]), time, reference=CYCLE.speed_at(time))
-    found = summarise(record, CYCLE, 1.0, {})
-    assert found["time_out_of_tolerance"] == (1.0, "s")
-    assert found["share_out_of_tolerance"] == (pytest.approx(100.0 / 195.0), "%")
+    summary = summarise(record, CYCLE, 1.0, {})
+    assert summary["time_out_of_tolerance"] == (1.0, "s")
+    assert summary["share_out_of_tolerance"] == (pytest.approx(100.0 / 195.0), "%")
 
 
 # --- drives that give a speed ---
@@ -477,9 +479,9 @@ def test_torque_driven_run_reports_and_draws_speed_and_torque(fmu):
     assert summary["input_torque_mean"] == pytest.approx(mean, rel=1e-9)
     assert {"input ω1", "drive"} <= labels(scene_figure(result))
     # A run in this process agrees.
-    found = run_in_process(scene(**RISING))
-    assert found["omega_out"][-1] == pytest.approx(table["omega_out"][-1], rel=1e-9)
-    assert time_of(scene(**RISING), found) > 0.0
+    in_process = run_in_process(scene(**RISING))
+    assert in_process["omega_out"][-1] == pytest.approx(table["omega_out"][-1], rel=1e-9)
+    assert kernel_time_of(scene(**RISING), in_process) > 0.0
 
 
 def test_example_speeds_up_a_flywheel_while_the_motor_sags(fmu):
@@ -502,7 +504,7 @@ def test_a_controller_commands_the_torque_within_its_limits(fmu):
         controller={**gains, "minimum": "-10 N.m", "maximum": "20 N.m", "reference": reference},
     )
     assert light.parameters()["drive"] == 1.0
-    assert run.start_of(light)[1]["omega1"] == 80.0
+    assert run.initial_values(light)[1]["omega1"] == 80.0
     result = run_scene(light, fmu)
     torque = result.table["drive_torque"]
     assert torque.max() == 20.0
@@ -580,7 +582,7 @@ LOCKED, COASTING = np.full(200, 3.0), np.zeros(200)
 
 
 @pytest.mark.parametrize(
-    "torque, shown",
+    "torque, title",
     [
         (PULSES, "last 4 pulses"),
         (np.concatenate([PULSES, LOCKED[:8]]), "last 4 pulses"),
@@ -591,10 +593,10 @@ LOCKED, COASTING = np.full(200, 3.0), np.zeros(200)
         (COASTING, "end of the run"),
     ],
 )
-def test_close_up_has_its_title(torque, shown):
+def test_close_up_has_its_title(torque, title):
     table = Result.from_columns({"time": 1e-3 * np.arange(torque.size), "output_torque_mean": torque})
     first, heading = end_of_run(table)
-    assert heading == shown
+    assert heading == title
     if "pulses" in heading or "lock-up" in heading:
         assert first == 11
     assert 0 <= first < torque.size

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from averaged_errors import REALISTIC
 from frequency_response import fit_sine
-from refused import REFUSED
+from rejected import REJECTED
 from scenes import MECHANISMS, started
 from speed_control_margins import Margins, measured_margins, predicted_margins
 
@@ -70,7 +70,7 @@ def test_transient_inertia_adds_to_the_output_inertia(compiled):
     assert heavier.dynamics(*at) == pytest.approx(0.5 * plain.dynamics(*at))
 
 
-@pytest.mark.parametrize("arguments, message", REFUSED["averaged_systems"])
+@pytest.mark.parametrize("arguments, message", REJECTED["averaged_systems"])
 def test_invalid_arguments_of_the_averaged_system_are_errors(compiled, arguments, message):
     with pytest.raises(ValueError, match=message):
         averaged_module.averaged_system(**arguments, kernel=compiled)

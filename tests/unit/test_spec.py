@@ -5,7 +5,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from refused import REFUSED, assert_refused
+from rejected import REJECTED, assert_rejected
 
 from inertia_module.analysis.converter_chart import compute_chart
 from inertia_module.common.examples import example
@@ -15,7 +15,7 @@ from inertia_module.scene import Scene, load_scene, run_scene
 from inertia_module.scene.keys import validated
 from inertia_module.scene.quantity import Quantity
 from inertia_module.studies.design_judge import Judge
-from inertia_module.studies.design_result import DesignResult, Finalist, doubts_of
+from inertia_module.studies.design_result import DesignResult, Finalist, caveats_of
 from inertia_module.studies.design_search import metrics_of_designs
 from inertia_module.studies.design_specification import Limit, limits_of, read_spec
 from inertia_module.studies.evaluation import Row
@@ -37,31 +37,31 @@ def read(tmp_path):
     return read
 
 
-def test_a_specification_is_a_scene_with_free_keys_figures_and_a_search(read):
+def test_a_specification_is_a_scene_with_free_keys_metrics_and_a_search(read):
     spec = read(SPEC)
     assert [axis.name for axis in spec.axes] == ["mechanism.imbalance_mass", "mechanism.satellites"]
     assert spec.goals == {"omega_out_final": "greatest", "total_imbalance_mass": "least"}
-    assert spec.named == {
+    assert spec.steady_demands == {
         "stall_torque": (pytest.approx(104.7197551), 0.0),
         "total_imbalance_mass": (0.0, 0.0),
     }
-    assert spec.metrics.keys() - spec.named.keys() == {"omega_out_final"}
+    assert spec.metrics.keys() - spec.steady_demands.keys() == {"omega_out_final"}
     assert spec.load.inertia == 0.5
     assert (spec.search.check, spec.search.population) == ("rigid", 40)
 
 
-@pytest.mark.parametrize("old, new, sentence", REFUSED["specifications"])
+@pytest.mark.parametrize("old, new, sentence", REJECTED["specifications"])
 def test_invalid_specification_is_rejected_in_a_sentence(old, new, sentence, read):
     text = SPEC.replace(old, new)
     assert text != SPEC
-    assert_refused(sentence, read, text)
+    assert_rejected(sentence, read, text)
 
 
-def test_at_most_three_figures_have_a_goal(read):
+def test_at_most_three_metrics_have_a_goal(read):
     more = "".join(
         f'torque_{name} = {{ speed = 9, ratio = 0, goal = "least" }}\n' for name in ("ripple", "peak")
     )
-    assert_refused(r"1 to 3 \(got 4\)", read, SPEC.replace("[search]", f"{more}[search]"))
+    assert_rejected(r"1 to 3 \(got 4\)", read, SPEC.replace("[search]", f"{more}[search]"))
 
 
 def row(torque, speed, mass):
@@ -70,7 +70,7 @@ def row(torque, speed, mass):
     return Row({"mass": mass}, metrics_of_row, 0.0)
 
 
-def test_designs_are_judged_in_the_units_of_their_figures(read):
+def test_designs_are_compared_in_the_units_of_their_metrics(read):
     judge = Judge(read(SPEC), UNITS)
     good = row(22.0, 40.0, 1.0)
     assert judge.meets(good)
@@ -80,10 +80,10 @@ def test_designs_are_judged_in_the_units_of_their_figures(read):
     )
     short = row(15.0, 60.0, 1.0)
     assert not judge.meets(short)
-    assert judge.beyond(short) == pytest.approx(0.25 + 0.2)
+    assert judge.total_violation(short) == pytest.approx(0.25 + 0.2)
     assert judge.tightest(short) == "stall_torque 15 N.m (limit: at least 20 N.m)"
-    refused = Row({"mass": 1.0}, {}, 0.0, "no")
-    assert judge.violations(refused) == [1.0, 1.0, 1.0, 1.0]
+    rejected = Row({"mass": 1.0}, {}, 0.0, "no")
+    assert judge.violations(rejected) == [1.0, 1.0, 1.0, 1.0]
     assert judge.violations(row(22.0, None, 1.0)) == pytest.approx([-0.1, 1.0, 1.0, 1.0])
 
 
@@ -108,8 +108,11 @@ def test_better_designs_of_another_search_dominate_within_the_limits(read):
         (row(10.0, 21.0, 0.5), False),
         (row(30.0, 60.0, 0.5), False),
     ):
-        assert (judge.better(here, [other]) is other) == better
-    assert judge.better(here, [row(30.0, 20.0, 0.9), row(30.0, 25.0, 0.8)]).metrics["omega_out_final"] == 25.0
+        assert (judge.dominating_row(here, [other]) is other) == better
+    assert (
+        judge.dominating_row(here, [row(30.0, 20.0, 0.9), row(30.0, 25.0, 0.8)]).metrics["omega_out_final"]
+        == 25.0
+    )
 
 
 def test_keys_of_a_specification_are_set_as_in_its_file(tmp_path):
@@ -121,21 +124,21 @@ def test_keys_of_a_specification_are_set_as_in_its_file(tmp_path):
     assert [limit.bound for limit in limits_of("stall_torque", spec.metrics["stall_torque"], "N.m")] == [30.0]
     assert {axis.name: axis.high for axis in spec.axes}["mechanism.satellites"] == 3.0
     words = r"spec.toml: unknown key 'search.populatoin'; did you mean 'population'\?$"
-    assert_refused(words, read_spec, path, ["search.populatoin=8"])
+    assert_rejected(words, read_spec, path, ["search.populatoin=8"])
 
 
 def test_unreached_speed_is_reported():
-    slow, fast, refused = (
+    slow, fast, rejected = (
         Row({}, {}, 0.0),
         Row({}, {"time_to_25_kmh": 3.0}, 0.0),
         Row({}, {}, 0.0, "too heavy"),
     )
     limit = Limit("time_to_25_kmh", "s", 9.0, 1.0)
     assert limit.text(slow) == "time_to_25_kmh not reached (limit: at most 9 s)"
-    assert limit.text(refused) == "time_to_25_kmh not available (limit: at most 9 s)"
+    assert limit.text(rejected) == "time_to_25_kmh not available (limit: at most 9 s)"
     scene = load_scene(example("engine_launch")).replaced(load={"times_to": ["25 km/h"]})
-    assert unreached(scene, [slow, slow, fast, refused]) == {"time_to_25_kmh": 2}
-    assert unreached(scene, [fast, refused]) == {}
+    assert unreached(scene, [slow, slow, fast, rejected]) == {"time_to_25_kmh": 2}
+    assert unreached(scene, [fast, rejected]) == {}
 
 
 # --- doubts about designs that meet the limits ---
@@ -163,7 +166,7 @@ def metric(name, values, ratio=0.0):
 
 
 @pytest.mark.parametrize("density, end", [(0.0, 1.0), (2700.0, 0.54), (7850.0, 0.31)])
-def test_figures_with_satellite_mass_have_a_caveat(density, end):
+def test_metrics_with_satellite_mass_have_a_caveat(density, end):
     values = {**POINTS, "satellite_inertia": disc(density)}
     # The satellite mass does not change the stall torque.
     assert metric("stall_torque", values) == pytest.approx(208.54, abs=0.01)
@@ -171,7 +174,7 @@ def test_figures_with_satellite_mass_have_a_caveat(density, end):
     held, least = (metric(name, values) for name in ("lock_up_torque", "least_torque"))
     assert (held, least) == ((0.0, 0.0) if density else pytest.approx((655.15, 55.24), abs=0.01))
     scene = load_scene(example("engine_launch")).replaced(mechanism={**values, "output_inertia": None})
-    doubts = doubts_of(scene, {"distance": 80.0}, 250.0)
+    doubts = caveats_of(scene, {"distance": 80.0}, 250.0)
     doubts.pop("drive too weak", None)  # A machine that locks up has this doubt
     assert doubts == (
         {"no lock-up": f"no torque is transmitted above a speed ratio of {end}"}
@@ -189,9 +192,11 @@ def test_a_car_is_launched_as_its_satellites_weigh(density, reached, built):
     tables["mechanism"] = {**kept, **POINTS, "satellite_inertia": disc(density)}
     tables["load"]["final_drive"] = 4.017
     tables["run"] = {"stop_time": 25.0, "communication_step": 0.02}
-    found = run_scene(validated(Scene, tables).with_fidelity("elastic"), built / "InertiaModule.fmu").summary
-    assert found.get("time_to_50_kmh") == (reached and pytest.approx(reached, abs=0.05))
-    assert (found["vehicle_speed_maximum"] < 37.0) is (reached is None)
+    summary = run_scene(
+        validated(Scene, tables).with_fidelity("elastic"), built / "InertiaModule.fmu"
+    ).summary
+    assert summary.get("time_to_50_kmh") == (reached and pytest.approx(reached, abs=0.05))
+    assert (summary["vehicle_speed_maximum"] < 37.0) is (reached is None)
 
 
 def test_input_torque_pulses_follow_from_the_reduced_inertia():
@@ -216,19 +221,19 @@ def test_satellite_of_bevel_gears_turns_by_both_meshes():
 
 def test_resting_load_and_missing_freewheel_are_reported():
     scene = load_scene(example("engine_launch"))
-    assert "load does not move" not in doubts_of(scene, {"distance": 80.0, "omega_out_maximum": 0.0}, 250.0)
-    resting = doubts_of(scene, {"distance": 0.09, "omega_out_maximum": 9.0}, 250.0)
+    assert "load does not move" not in caveats_of(scene, {"distance": 80.0, "omega_out_maximum": 0.0}, 250.0)
+    resting = caveats_of(scene, {"distance": 0.09, "omega_out_maximum": 9.0}, 250.0)
     assert resting["load does not move"].startswith("0.0")
     shaft = load_scene(example("reference")).replaced(mechanism={"output_freewheel": 0.0})
-    assert "load does not move" not in doubts_of(shaft, {"omega_out_maximum": 90.0}, 250.0)
-    found = doubts_of(shaft, {"omega_out_maximum": 0.0}, 250.0)
-    assert found["load does not move"] == "0 revolutions in the run"
-    assert "without both freewheels there is no mean torque" in found["no mean torque"]
+    assert "load does not move" not in caveats_of(shaft, {"omega_out_maximum": 90.0}, 250.0)
+    caveats = caveats_of(shaft, {"omega_out_maximum": 0.0}, 250.0)
+    assert caveats["load does not move"] == "0 revolutions in the run"
+    assert "without both freewheels there is no mean torque" in caveats["no mean torque"]
     # A scene without a run has no doubts.
-    assert "load does not move" not in doubts_of(shaft, {}, 250.0)
+    assert "load does not move" not in caveats_of(shaft, {}, 250.0)
 
 
-def test_verdict_contains_doubts_and_the_end_of_the_search(read, tmp_path):
+def test_verdict_contains_caveats_and_the_end_of_the_search(read, tmp_path):
     spec, good, short = read(SPEC), row(22.0, 40.0, 1.0), row(15.0, 60.0, 1.0)
 
     def verdict(checked, front, cut, doubts):
@@ -236,9 +241,9 @@ def test_verdict_contains_doubts_and_the_end_of_the_search(read, tmp_path):
         judge = Judge(spec, UNITS)
         return DesignResult(judge, [good, short], front, finalists, 2, {}, Searched([good, short], [], cut))
 
-    found = verdict([good, good], [good], False, {"no lock-up": "none above 0.3"})
-    assert found.verdict().endswith("; caveats: no lock-up in 2 of them")
-    assert found.lines(found.finalists[0])["caveat: no lock-up"] == "none above 0.3"
+    result = verdict([good, good], [good], False, {"no lock-up": "none above 0.3"})
+    assert result.verdict().endswith("; caveats: no lock-up in 2 of them")
+    assert result.lines(result.finalists[0])["caveat: no lock-up"] == "none above 0.3"
     assert "caveat" not in verdict([good], [good], False, {}).verdict()
     lost = verdict([short], [good], False, {}).verdict()
     assert lost.startswith(
@@ -247,10 +252,10 @@ def test_verdict_contains_doubts_and_the_end_of_the_search(read, tmp_path):
     assert "no improvement in the last 8 generations" in verdict([short], [], False, {}).verdict()
     assert "search.longest = 600 s ended the search" in verdict([short], [], True, {}).verdict()
     # A rejected design is never the nearest design, even if all others are far from the limits.
-    distant, refused = row(1.0, 500.0, 1.0), Row({"mass": 9.0}, {}, 0.0, "too heavy")
+    distant, rejected = row(1.0, 500.0, 1.0), Row({"mass": 9.0}, {}, 0.0, "too heavy")
     judge = Judge(spec, UNITS)
-    assert judge.beyond(distant) > judge.beyond(refused)
-    none = DesignResult(judge, [refused, distant], [], [], 2, {}, Searched([], [], False)).verdict()
+    assert judge.total_violation(distant) > judge.total_violation(rejected)
+    none = DesignResult(judge, [rejected, distant], [], [], 2, {}, Searched([], [], False)).verdict()
     assert none.endswith("closest design: omega_out_final 500 rad/s (limit: at most 50 rad/s)")
 
 
@@ -334,15 +339,15 @@ def test_tightest_limit_can_be_exceeded(read):
 # --- power and grip ---
 
 
-def test_drive_below_the_speed_of_the_figures_is_a_caveat():
+def test_drive_that_is_too_weak_is_a_caveat():
     scene = load_scene(example("engine_launch"))
     torque = scene.drive_torque_limit(200.0)
     assert torque == pytest.approx(35.6, abs=0.5)
-    found = doubts_of(scene, {}, 200.0)["drive too weak"]
+    caveat = caveats_of(scene, {}, 200.0)["drive too weak"]
     chart = compute_chart(scene.parameters(), 200.0)
-    assert f"takes up to {(chart.input_torque * 4e4).max():.4g} N.m at 200 rad/s" in found
+    assert f"requires up to {(chart.input_torque * 4e4).max():.4g} N.m at 200 rad/s" in caveat
     strong = scene.replaced(drive={"full_load": {"speed": [0.0, 300.0], "torque": [2000.0, 2000.0]}})
-    assert "drive too weak" not in doubts_of(strong, {}, 200.0)
+    assert "drive too weak" not in caveats_of(strong, {}, 200.0)
     assert load_scene(example("planar")).drive_torque_limit(200.0) is None
 
 
@@ -350,9 +355,11 @@ def test_slipping_wheels_are_a_caveat():
     scene = load_scene(example("engine_launch")).replaced(load={"friction_coefficient": 0.5})
     grip = 0.5 * 900.0 * 9.80665
     assert scene.load.grip == pytest.approx(grip)
-    found = doubts_of(scene, {"tractive_force_maximum": 1.01 * grip}, 200.0)
-    assert found["wheels slip"] == f"the tractive force reaches {1.01 * grip:.4g} N, the grip is {grip:.4g} N"
-    assert "wheels slip" not in doubts_of(scene, {"tractive_force_maximum": 0.99 * grip}, 200.0)
+    caveats = caveats_of(scene, {"tractive_force_maximum": 1.01 * grip}, 200.0)
+    assert (
+        caveats["wheels slip"] == f"the tractive force reaches {1.01 * grip:.4g} N, the grip is {grip:.4g} N"
+    )
+    assert "wheels slip" not in caveats_of(scene, {"tractive_force_maximum": 0.99 * grip}, 200.0)
 
 
 # --- envelope and mass of a mechanism, against its geometry scanned over all angles ---
@@ -390,18 +397,18 @@ def test_envelope_mass_and_room_of_a_planar_mechanism():
     assert metric("total_imbalance_mass", of_all) == 1.5
     assert metric("total_imbalance_mass", {}) == 1.0
     scene = load_scene(example("planar")).replaced(mechanism=planar)
-    asked = {"tables": scene.tables, "named": {"envelope_diameter": (0.0, 0.0)}, "runs": False}
+    asked = {"tables": scene.tables, "steady_demands": {"envelope_diameter": (0.0, 0.0)}, "runs": False}
     metrics = metrics_of_designs(asked, None)
     found = metrics({"fidelity": "rigid", "mechanism.eccentricity": 0.06})
     assert found["envelope_diameter"] == (pytest.approx(0.44), "m")
     for name, value in (("eccentricity", 0.061), ("satellites", 9.0)):
-        assert_refused(name, metrics, {"fidelity": "rigid", f"mechanism.{name}": value})
+        assert_rejected(name, metrics, {"fidelity": "rigid", f"mechanism.{name}": value})
 
 
 def test_driven_mass_is_rigid_with_the_hub_of_a_design():
     shaft = load_scene(example("reference")).replaced(mechanism={"driven_inertia": 0.3})
     run = SimpleNamespace(run=lambda scene: SimpleNamespace(quantities={"scene": Quantity(scene, "")}))
-    metrics = metrics_of_designs({"tables": shaft.tables, "named": {}, "runs": True}, run)
+    metrics = metrics_of_designs({"tables": shaft.tables, "steady_demands": {}, "runs": True}, run)
     for level, inertia in (("averaged", 0.5), ("elastic", 0.2)):
         scene = metrics({"fidelity": level, "mechanism.output_inertia": 0.2})["scene"].value
         assert scene.parameters()["output_inertia"] == pytest.approx(inertia)
@@ -409,5 +416,7 @@ def test_driven_mass_is_rigid_with_the_hub_of_a_design():
 
 def test_a_design_with_a_deprecated_method_can_be_built():
     scene = load_scene(example("reference")).replaced(mechanism={"method": "timestepping"})
-    metrics = metrics_of_designs({"tables": scene.tables, "named": {}, "runs": False}, SimpleNamespace())
+    metrics = metrics_of_designs(
+        {"tables": scene.tables, "steady_demands": {}, "runs": False}, SimpleNamespace()
+    )
     assert metrics({"fidelity": "rigid"}) == {}

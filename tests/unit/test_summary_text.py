@@ -50,7 +50,7 @@ def quantities(**values):
     return {name: Quantity(value, unit_of(name)) for name, value in (numbers | values).items()}
 
 
-DUTY = {
+DUTY_NOTE = {
     f"{name}_{metric}": value
     for name, values in {"housing": (28.0, 31.9, 117.08, 17.97), "output": (33.0, 37.8, 102.1, 17.8)}.items()
     for metric, value in zip(
@@ -93,7 +93,7 @@ def group(lines, label):
 
 
 def test_summary_of_the_reference_case():
-    assert lines_of(run_result(**DUTY)) == [
+    assert lines_of(run_result(**DUTY_NOTE)) == [
         "R1: a bevel inertia module starts a flywheel                          1 s, rigid",
         "  Speed       input 955 rpm   output at the end 172 rpm   ratio 0.180",
         "  Torque      output mean 19.0 N·m (peak 102)   input mean 2.35 N·m",
@@ -151,7 +151,7 @@ def test_zeros_are_omitted():
         distance=0.0,
         vehicle_speed_maximum=0.0,
         energy_brake=0.0,
-        **dict.fromkeys(DUTY, 0.0),
+        **dict.fromkeys(DUTY_NOTE, 0.0),
     )
     lines = lines_of(result)
     assert not [line for line in lines if re.search(r"(?<![\d.])0(\.0*)? (J|N|N·m|rpm|%|m|km/h)", line)]
@@ -202,7 +202,7 @@ def test_losses_are_sorted_and_have_fractions():
 
 def test_limits_of_freewheels_are_in_their_table():
     limits = {"housing_torque_peak": 100.0, "output_torque_peak": 200.0}
-    lines = lines_of(run_result(limits=limits, **DUTY))
+    lines = lines_of(run_result(limits=limits, **DUTY_NOTE))
     assert [line.split()[-1] for line in lines if "mean " in line and "N·m  " in line][-2:] == [
         "exceeded",
         "ok",
@@ -241,7 +241,7 @@ def test_units_are_those_of_the_operation_in_the_scene(tmp_path):
     assert display_units(reference, {"load.torque": "8 lbf.ft"})["N.m"] == "lbf.ft"
     assert display_units(example("urban"))["km/h"] == "km/h"
     assert display_units(example("engine_launch"))["rad/s"] == "rpm"
-    result = run_result(**DUTY)
+    result = run_result(**DUTY_NOTE)
     lines = lines_of(result, {"rad/s": "rad/s", "N.m": "lbf.ft"})
     assert group(lines, "Speed") == "input 100 rad/s   output at the end 18.0 rad/s   ratio 0.180"
     assert group(lines, "Torque") == "output mean 14.0 lbf·ft (peak 75.3)   input mean 1.73 lbf·ft"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from refused import REFUSED
+from rejected import REJECTED
 
 from inertia_module.common.errors import InertiaModuleError, SceneError
 from inertia_module.common.examples import example
@@ -15,7 +15,7 @@ from inertia_module.scene import load_scene
 
 TIMES, SPEEDS = [0.0, 0.5, 1.0], [100.0, 101.5, -2.5e-3]
 SAME = tomllib.loads(Path(__file__).with_name("same_tables.toml").read_text(encoding="utf-8"))
-BAD = REFUSED["tables"]
+BAD = REJECTED["tables"]
 
 
 def read(folder, content):
@@ -32,9 +32,9 @@ def test_all_formats_of_a_table_give_the_same_result(tmp_path):
 
 def test_ambiguous_table_is_rejected(tmp_path):
     for content, words in BAD:
-        with pytest.raises(TableError, match=words) as refused:
+        with pytest.raises(TableError, match=words) as rejected:
             read(tmp_path, content)["omega1"]
-        assert "\n" not in str(refused.value)
+        assert "\n" not in str(rejected.value)
 
 
 # Cells of a column omega1; separator; the numbers, or words of the error and its line.

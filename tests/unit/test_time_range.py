@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from refused import assert_refused
+from rejected import assert_rejected
 from test_scene import OPEN, TORQUE, changed, read
 
 from inertia_module.common.csv_table import TableError
@@ -123,7 +123,7 @@ def test_road_may_have_a_step_but_torque_over_speed_may_not(tmp_path):
     assert scene.load.slope_over_distance.signal()(np.array([4.9, 5.0])).tolist() == [0.0, 0.1]
     (tmp_path / "map.csv").write_text("speed [rpm],torque\n0,20\n1000,30\n1000,40\n")
     words = "drive.full_load: speed must be strictly increasing .got 104.72 after 104.72"
-    assert_refused(
+    assert_rejected(
         words, load_scene, example("engine_launch"), {"drive.full_load": {"file": str(tmp_path / "map.csv")}}
     )
 
@@ -163,7 +163,7 @@ def test_a_scene_may_begin_with_a_byte_order_mark_and_must_be_in_utf_8(tmp_path)
     assert load_scene(file).drive.omega1 == 100.0
     for code, line in (("latin-1", 2), ("utf-16", 1)):
         file.write_bytes(f"# R1\n# Prüfstand\n{OPEN}".encode(code))
-        assert_refused(rf"^cannot read .*scene.toml: line {line} is not UTF-8$", load_scene, file)
+        assert_rejected(rf"^cannot read .*scene.toml: line {line} is not UTF-8$", load_scene, file)
 
 
 REMEDY = "starts an escape sequence. Write / instead of .*, or put the path in single quotes."

@@ -13,7 +13,7 @@ import pytest
 from inertia_module.compiling.c_compiler import link
 from inertia_module.compiling.c_types import DOUBLE, INT
 from inertia_module.compiling.python_source import KernelLanguageError
-from inertia_module.compiling.targets import here
+from inertia_module.compiling.targets import host_target
 from inertia_module.compiling.translate import HEAD, INLINED, KernelTranslator, c_name, translate
 from inertia_module.interface.models import DRIVEN_SHAFT, INERTIA_MODULE
 from inertia_module.interface.records import record_type
@@ -43,8 +43,8 @@ def library(tmp_path_factory):
         head = EXPORTED.format(name=function.__name__, record="struct kernel_x *x")
         wrappers += [f"{head};", f"{head}\n{{\n    return {name}(a, b, n, x);\n}}"]
     text = "\n".join([HEAD.format(name="test"), translator.definitions(), *wrappers, ""])
-    path = tmp_path_factory.mktemp("language") / f"language{here().suffix}"
-    path.write_bytes(link(here(), path.name, {"language.c": text.encode(), "kernel.h": KERNEL_HEADER}))
+    path = tmp_path_factory.mktemp("language") / f"language{host_target().suffix}"
+    path.write_bytes(link(host_target(), path.name, {"language.c": text.encode(), "kernel.h": KERNEL_HEADER}))
     return ctypes.CDLL(str(path))
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 from geometry import direct_sums, ratio
-from refused import assert_refused
+from rejected import assert_rejected
 from scenes import FRICTION, SCENES, SHAFT, TUNED, advanced, motions, parameters, reference, started
 
 from inertia_module.interface.models import DRIVEN_SHAFT
@@ -38,7 +38,7 @@ def test_motion_with_new_parameters_agrees_with_the_reference(compiled, scene, o
     before.advance(0.023)
     advanced(module, 0.01, 0.013).set(**tuned)
     after.time, after.state = before.time, before.state
-    after.give(after.machine.torque, after.machine.load)
+    after.set_torques(after.machine.torque, after.machine.load)
     after.advance(0.05)
     advanced(module, 0.01, 0.017)
     speeds = [module[name] for name in ("input_speed", "omega2", "omega_out")]
@@ -102,7 +102,7 @@ def test_inconsistent_parameters_are_rejected_without_effect(compiled):
     module = advanced(started(compiled, driven, fidelity=1), 0.1)
     before = module.save()
     words = r"windage must be 0 with fidelity = averaged \(got 0.01\)"
-    assert_refused(words, module.set, omega1=50.0, balancer=0.3, windage=0.01)
+    assert_rejected(words, module.set, omega1=50.0, balancer=0.3, windage=0.01)
     module.set(balancer=0.3)
     undisturbed = Module(compiled)
     undisturbed.restore(before)

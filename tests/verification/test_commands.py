@@ -11,14 +11,14 @@ from verification.__main__ import app
 from verification.stability.random_motions import Row, read_rows
 from verification.stability.verdicts import Verdict
 
-command, succeeded = (functools.partial(run, of=app) for run in (programs.command, programs.succeeded))
+command, succeeded = (functools.partial(run, program=app) for run in (programs.command, programs.succeeded))
 
 
 def test_papers_writes_figures_as_png_svg_and_csv(tmp_path, monkeypatch):
     # test_papers.py draws all figures
     few = {name: FIGURES[name] for name in ("lysenko_1", "stelmashchuk_2")}
     monkeypatch.setattr("papers.figures.FIGURES", few)
-    process = programs.succeeded("-o", tmp_path / "papers", "--json", folder=tmp_path, of=papers_app)
+    process = programs.succeeded("-o", tmp_path / "papers", "--json", folder=tmp_path, program=papers_app)
     files = [Path(file) for file in json.loads(process.stdout)["files"]]
     for kind in (".png", ".svg", ".csv"):
         drawn = {file.stem: file for file in files if file.suffix == kind}

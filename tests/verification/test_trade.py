@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks import trade_off
 from inertia_module.fidelity import rows as table
-from inertia_module.fidelity.levels import Level, event
+from inertia_module.fidelity.levels import Level, event_level
 from inertia_module.fidelity.rows import Row
 from inertia_module.fmi.results import write_figure
 from inertia_module.model import Module
@@ -35,7 +35,7 @@ def reference():
 
 @pytest.fixture(scope="module")
 def rows(reference):
-    levels = [event(2, tolerance) for tolerance in (1e-4, 1e-6, 1e-8)]
+    levels = [event_level(2, tolerance) for tolerance in (1e-4, 1e-6, 1e-8)]
     return trade_off.measure(CASE, reference, levels, steps=STEPS)
 
 
@@ -57,7 +57,7 @@ def test_errors_follow_the_tolerance_and_the_reference_has_zero_error(rows, refe
 INVALID = [
     (Level(2, "tolerance 1", {"tolerance": 1.0}), 0.1, "tolerance must be between 1e-12 and 0.01 (got 1)"),
     (Level(2, "backwards", {"max_step": -1.0}), 0.1, "max_step must be between 0 and 1000000 s (got -1)"),
-    (event(2, 1e-6), 0.03, "must be an integer fraction of 0.1 s (got 0.03 s)"),
+    (event_level(2, 1e-6), 0.03, "must be an integer fraction of 0.1 s (got 0.03 s)"),
 ]
 
 
@@ -92,7 +92,7 @@ def test_peers_have_the_same_errors_as_levels(reference):
 def test_rigid_level_of_an_elastic_case_has_the_same_total_inertia():
     parameters = {"output_inertia": 0.3, "driven_inertia": 0.2, "shaft_stiffness": 1e7, "shaft_damping": 10.0}
     case = dataclasses.replace(CASE, parameters=parameters)
-    (row,) = trade_off.measure(case, trade_off.converged(case), [event(2, 1e-8)], steps=[0.1])
+    (row,) = trade_off.measure(case, trade_off.converged(case), [event_level(2, 1e-8)], steps=[0.1])
     assert row.errors["omega_out_final"] < 1e-3
 
 

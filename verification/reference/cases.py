@@ -37,10 +37,10 @@ from .virtual_work import VirtualWork
 
 # indices of a case: freewheels, signs of slip (0: sticking) and sigma M2, first sign of the satellites
 HOUSING, OUTPUT, SLIP, MESH, TEETH = range(5)
-# states of a freewheel; within the engagement angle it rotates backward, or its drag holds it
-OPEN, CLOSED, BACK, DRAGGED = range(4)
+# states of a freewheel; within its engagement angle it rotates backward, or its drag holds it
+OPEN, CLOSED, BACKWARD, HELD_BY_DRAG = range(4)
 # indices of the state: angles, twist, speeds; wind-up and remaining engagement angles; integrals
-Q, THETA1, TWIST, OMEGA1, OMEGA2, OMEGA3, OMEGA4, WOUND, _, PLAY, _, SUMS = range(12)
+Q, THETA1, TWIST, OMEGA1, OMEGA2, OMEGA3, OMEGA4, WIND_UP, _, REMAINING, _, FIRST_INTEGRAL = range(12)
 CAUSES = ("viscous", "mesh", "journal", "freewheel", "shaft", "windage")
 INTEGRALS = ("energy_in", "energy_out", *CAUSES, "M1", "M2", "Tc", "Th")
 # indices of the unknowns of a case
@@ -88,7 +88,7 @@ class Freewheel:
     damping: float
 
 
-def speed_of(y: Array, place: int) -> Array:
+def relative_speed(y: Array, place: int) -> Array:
     """Return the relative speed at a freewheel or between links 1 and 2, rad/s.
 
     Args:
@@ -112,10 +112,10 @@ class Machine:
         load: load torque, N.m.
         torque: torque on link 1 if the machine is torque-driven, N.m.
         slope: acceleration of link 1 if the machine is speed-driven, rad/s^2.
-        rubs: True if a torque depends on the sign of the slip.
+        has_dry_friction: True if a torque depends on the sign of the slip.
         wheels: freewheels to housing and output.
         frequency: sum of the natural frequencies of elastic shaft and freewheels, rad/s.
-        highest: maximum order of the harmonics of the torques.
+        max_order: maximum order of the harmonics of the torques.
 
     Raises:
         UnavailableError: a missing freewheel has a stiffness.
@@ -124,13 +124,13 @@ class Machine:
     def __init__(self, parameters: Mapping[str, float]) -> None:
         self.p = p = {**default_parameters(), **parameters}
         self.work, self.k = VirtualWork(p), ratio(p)
-        self.elastic, self._by_torque = p["fidelity"] == ELASTIC, p["drive"] == DRIVE_TORQUE
+        self.elastic, self._is_torque_driven = p["fidelity"] == ELASTIC, p["drive"] == DRIVE_TORQUE
         self.mesh = 1.0 - p["mesh_efficiency"]
         self.teeth = not p["layout"] and p["satellite_mesh_efficiency"] < 1.0
         self._journals = p["journal_friction"] > 0.0
-        self.rubs = bool(self.mesh or self.teeth or self._journals)
+        self.has_dry_friction = bool(self.mesh or self.teeth or self._journals)
         self.wheels = self._freewheel("housing", "housing"), self._freewheel("output", "freewheel")
-        self.highest, self.frequency = max(self.work.highest, 1.0), 0.0
+        self.max_order, self.frequency = max(self.work.max_order, 1.0), 0.0
         if self.elastic:
             self.frequency = shaft_frequency(p.__getitem__)
             if stiffest := max(wheel.stiffness for wheel in self.wheels):
@@ -155,14 +155,14 @@ class Machine:
         stiffness = p[f"{spring}_stiffness"] if has_spring else 0.0
         return Freewheel(is_present, drag, viscous, angle, stiffness, p[f"{spring}_damping"])
 
-    def joined(self, mode: Mode, place: int) -> bool:
-        """Return True if the speeds at a freewheel are equal: it is locked and rigid, or held by its drag.
+    def is_joined(self, mode: Mode, place: int) -> bool:
+        """Return True if a freewheel is locked and rigid, or held by its drag, so that its speeds are equal.
 
         Args:
             mode: case.
             place: HOUSING or OUTPUT.
         """
-        return mode[place] == DRAGGED or (mode[place] == CLOSED and not self.wheels[place].stiffness)
+        return mode[place] == HELD_BY_DRAG or (mode[place] == CLOSED and not self.wheels[place].stiffness)
 
     def _transmitted(self, y: Array, mode: Mode, place: int) -> tuple[Array, Array]:
         """Return torque, N.m, and power loss, W, of a freewheel whose speeds differ.
@@ -172,14 +172,14 @@ class Machine:
             mode: case.
             place: HOUSING or OUTPUT.
         """
-        wheel, speed = self.wheels[place], speed_of(y, place)
+        wheel, speed = self.wheels[place], relative_speed(y, place)
         if mode[place] == OPEN:
             # at rest the drag also acts against the next motion
             drag = wheel.drag + wheel.viscous * speed
             return -drag, drag * speed
-        if mode[place] == BACK:
+        if mode[place] == BACKWARD:
             return 0.0 * speed, 0.0 * speed
-        return wheel.stiffness * y[WOUND + place] - wheel.damping * speed, wheel.damping * speed**2
+        return wheel.stiffness * y[WIND_UP + place] - wheel.damping * speed, wheel.damping * speed**2
 
     def _matrix(self, mode: Mode, link1: Array, drive: Array) -> Array:
         """Return the matrix of the unknowns of a case, (9, 9), or of several states, (n, 9, 9).
@@ -191,7 +191,7 @@ class Machine:
         """
         if mode not in self._matrices:
             p, a = self.p, np.zeros((9, 9))
-            a[0, M1 if self._by_torque else A1] = 1.0
+            a[0, M1 if self._is_torque_driven else A1] = 1.0
             a[1, [A1, M1, M2]] = p["input_inertia"], -1.0, 1.0
             a[2, M2] = 1.0
             a[3, [A2, M2, TC, TH]] = p["link2_inertia"], -1.0, 1.0, -1.0
@@ -199,9 +199,9 @@ class Machine:
             a[5, TS], a[6, A4], a[6, A3] = 1.0, 1.0, -1.0
             if self.elastic:
                 a[6, [A4, A3, TS]] = p["driven_inertia"], -p["balancer"] * p["driven_inertia"], -1.0
-            a[7, A2 if self.joined(mode, HOUSING) else TH] = 1.0
-            a[8, A3 if self.joined(mode, OUTPUT) else TC] = 1.0
-            if self.joined(mode, OUTPUT):
+            a[7, A2 if self.is_joined(mode, HOUSING) else TH] = 1.0
+            a[8, A3 if self.is_joined(mode, OUTPUT) else TC] = 1.0
+            if self.is_joined(mode, OUTPUT):
                 a[8, A2] = -1.0
             self._matrices[mode] = a
         fixed = self._matrices[mode]
@@ -231,7 +231,7 @@ class Machine:
         torques[:, 2] = (work[:, 2:] * squares).sum(axis=1)
         torques[1, 2] += p["drive_friction"] * rate
         if p["windage"]:
-            torques[:2, 2] += self.air(y)[:2]
+            torques[:2, 2] += self.windage_torques(y)[:2]
         if p["gravity"]:
             weight, sine, cosine = weights.sum(axis=0), np.sin(y[THETA1]), np.cos(y[THETA1])
             torques[0, 2] += weight[0, 0] * cosine - weight[0, 1] * sine
@@ -241,16 +241,16 @@ class Machine:
         if self._journals:
             force = (bearings * squares).sum(axis=2)
             journal = np.sqrt((force * force).sum(axis=1)).sum(axis=0)
-        if sigma and self.rubs:
+        if sigma and self.has_dry_friction:
             drive = drive + sigma * np.tensordot(mode[TEETH:], teeth, 1)
             drive[2] += sigma * journal
         factor = k / (1.0 - self.mesh * mode[MESH] * abs(sigma))
         b = np.zeros((9, *rate.shape))
-        b[0] = self.torque if self._by_torque else self.slope
+        b[0] = self.torque if self._is_torque_driven else self.slope
         b[1] = -link1[2] - p["input_friction"] * omega1
         matrix = self._matrix(mode, link1[:2], factor * drive[:2])
         b[2] = factor * drive[2]
-        if sigma == 0 and (self._by_torque or not self.joined(mode, HOUSING)):
+        if sigma == 0 and (self._is_torque_driven or not self.is_joined(mode, HOUSING)):
             # with link 1 and link 2 at rest friction allows any M2, so the equation without friction remains
             matrix[..., 2, [A1, A2, M2]], b[2] = (1.0, -1.0, 0.0), 0.0
         b[3] = -p["link2_friction"] * omega2
@@ -260,16 +260,16 @@ class Machine:
             b[5] = p["shaft_stiffness"] * y[TWIST] + p["shaft_damping"] * (omega3 - omega4)
             b[6] = -p["driven_friction"] * omega4 - self.load
         for row, place in ((7, HOUSING), (8, OUTPUT)):
-            if not self.joined(mode, place):
+            if not self.is_joined(mode, place):
                 b[row], _ = self._transmitted(y, mode, place)
         x = np.asarray(np.linalg.solve(matrix, b.T[..., None])[..., 0].T)
-        if not self.rubs:
+        if not self.has_dry_friction:
             return Forces(x, *np.zeros(4))
         unknowns = np.array([x[A1], x[A2], np.ones_like(rate)])
         sums = (torques * unknowns).sum(axis=1)
         return Forces(x, sums[2:], journal, np.abs(sums[2:]).sum(axis=0), sums[1])
 
-    def air(self, y: Array) -> Array:
+    def windage_torques(self, y: Array) -> Array:
         """Return the torques of the windage on theta1 and q, N.m, and their power, W.
 
         The torque on each satellite is c |t| t with the angular velocity t = omega1 x + q' w.
@@ -304,17 +304,19 @@ class Machine:
         if self.elastic:
             shaft = p["shaft_damping"] * (omega3 - omega4) ** 2 + p["driven_friction"] * omega4**2
             shaft -= p["balancer"] * p["driven_inertia"] * x[A3] * omega4
-        wheels = sum(self._transmitted(y, mode, n)[1] for n in (HOUSING, OUTPUT) if not self.joined(mode, n))
-        wind_up = [-speed_of(y, n) * (mode[n] == CLOSED) for n in (HOUSING, OUTPUT)]
+        wheels = sum(
+            self._transmitted(y, mode, n)[1] for n in (HOUSING, OUTPUT) if not self.is_joined(mode, n)
+        )
+        wind_up = [-relative_speed(y, n) * (mode[n] == CLOSED) for n in (HOUSING, OUTPUT)]
         remaining = [
-            speed_of(y, n) * (wheel.angle > 0.0 and mode[n] in (OPEN, BACK))
+            relative_speed(y, n) * (wheel.angle > 0.0 and mode[n] in (OPEN, BACKWARD))
             for n, wheel in enumerate(self.wheels)
         ]
         mesh = self.mesh * abs(x[M2] * slip) + forces.satellites * abs(rate)
         powers = x[M1] * omega1, self.load * omega4, viscous, mesh, forces.journal * abs(rate), wheels, shaft
-        air = float(self.air(y)[2]) if p["windage"] else 0.0
+        windage_power = float(self.windage_torques(y)[2]) if p["windage"] else 0.0
         derivatives = rate, omega1, omega3 - omega4, *x[: A4 + 1], *wind_up, *remaining
-        return np.array([*derivatives, *powers, air, *x[M1 : TH + 1]])
+        return np.array([*derivatives, *powers, windage_power, *x[M1 : TH + 1]])
 
     def impact(self, y: Array, mode: Mode, change: float) -> Array:
         """Return the changes of the speeds, rad/s, and the impulses, N.m.s, of an impact as unknowns, (9,).
@@ -331,7 +333,7 @@ class Machine:
         b[0] = change
         for row, place in ((7, HOUSING), (8, OUTPUT)):
             if mode[place] == CLOSED:
-                b[row] = -speed_of(y, place)
+                b[row] = -relative_speed(y, place)
         return np.asarray(np.linalg.solve(self._matrix(mode, torques[0, :2], self.k * torques[1, :2]), b))
 
     def energy(self, y: Array) -> float:
@@ -345,9 +347,9 @@ class Machine:
         torques, _, weights = self.work(y[Q])
         momenta = torques[:2, :2] @ [omega1, omega2]
         height = weights[:, 0].sum(axis=0) @ [math.sin(y[THETA1]), math.cos(y[THETA1])]
-        twice = p["input_inertia"] * omega1**2 + p["link2_inertia"] * omega2**2
-        twice += p["output_inertia"] * omega3**2
+        doubled_energy = p["input_inertia"] * omega1**2 + p["link2_inertia"] * omega2**2
+        doubled_energy += p["output_inertia"] * omega3**2
         if self.elastic:
-            twice += p["driven_inertia"] * omega4**2 + p["shaft_stiffness"] * y[TWIST] ** 2
-        twice += sum(wheel.stiffness * y[WOUND + n] ** 2 for n, wheel in enumerate(self.wheels))
-        return float(0.5 * (momenta @ [omega1, self.k * (omega1 - omega2)] + twice) + height)
+            doubled_energy += p["driven_inertia"] * omega4**2 + p["shaft_stiffness"] * y[TWIST] ** 2
+        doubled_energy += sum(wheel.stiffness * y[WIND_UP + n] ** 2 for n, wheel in enumerate(self.wheels))
+        return float(0.5 * (momenta @ [omega1, self.k * (omega1 - omega2)] + doubled_energy) + height)

@@ -18,8 +18,8 @@ from scipy.integrate import solve_ivp
 
 from inertia_module.common.files import PACKAGE_FOLDER
 from inertia_module.export.systems import TEMPLATES as SSP
-from inertia_module.export.systems import typed
-from inertia_module.fmu.archive import filled, filled_xml
+from inertia_module.export.systems import type_and_value
+from inertia_module.fmu.archive import render, render_xml
 from inertia_module.interface.models import DRIVEN_SHAFT, Model
 from inertia_module.interface.variables import INPUT, UNITS
 
@@ -29,11 +29,11 @@ from .motion import TOLERANCE, Reference
 
 HERE = Path(__file__).parent
 # folder of FMI-LS-REF in an FMU
-CARRIED = "extra/org.fmi-standard.fmi-ls-ref"
+LS_REF_FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 STEP, STOP = 0.01, 1.0
 TIMES = np.linspace(0.0, STOP, round(STOP / STEP) + 1)
-# tolerance of the experiments, and deviation of a result allowed, relative to its maximum
-ASKED, SHARE = 1e-6, 1e-4
+# tolerance of the experiments, and allowed deviation of a result, relative to its maximum
+EXPERIMENT_TOLERANCE, MAX_DEVIATION = 1e-6, 1e-4
 ORIGIN = "Speeds and step means from {}, integrated by DOP853 of SciPy at 1e-13, independently of this FMU"
 SPEEDS = {"input_speed": OMEGA1, "omega2": OMEGA2, "omega_hub": OMEGA3, "omega_out": OMEGA4}
 EQUATIONS = {
@@ -99,7 +99,7 @@ def _module(experiment: Experiment) -> list[dict[str, float]]:
     rows, before = list[dict[str, float]](), exact.integrals()
     for n, time in enumerate(TIMES):
         if n:
-            exact.give(drive[n - 1], load[n - 1])
+            exact.set_torques(drive[n - 1], load[n - 1])
             exact.advance(time)
         sums = exact.integrals()
         means = {name: (sums[place] - before[place]) / STEP for name, place in IMPULSES.items()}
@@ -156,10 +156,10 @@ def _parameters(experiment: Experiment, model: Model) -> bytes:
     values = {
         "part": part,
         "origin": {},
-        "typed": typed,
+        "type_and_value": type_and_value,
         "units": {name: UNITS[name] for name in sorted(units)},
     }
-    return filled_xml(SSP / "ParameterSet.ssv", values)
+    return render_xml(SSP / "ParameterSet.ssv", values)
 
 
 def files(model: Model) -> dict[str, bytes]:
@@ -175,7 +175,7 @@ def files(model: Model) -> dict[str, bytes]:
         results = (_shaft if model is DRIVEN_SHAFT else _module)(experiment)
         columns = {name: np.array([row[name] for row in results]) for name in experiment.outputs}
         allowed[experiment.name] = {
-            name: f"{SHARE * np.abs(values).max():.1g}" for name, values in columns.items()
+            name: f"{MAX_DEVIATION * np.abs(values).max():.1g}" for name, values in columns.items()
         }
         ends = [experiment.input(name)[[0, -1]] for name in inputs]
         tables[f"{experiment.name}_in.csv"] = _csv(inputs, [TIMES[[0, -1]], *ends])
@@ -188,9 +188,9 @@ def files(model: Model) -> dict[str, bytes]:
         "allowed": allowed,
         "origin": ORIGIN.format(EQUATIONS[model.name]),
     }
-    values |= {"stop": STOP, "step": STEP, "tolerance": ASKED, "share": SHARE}
+    values |= {"stop": STOP, "step": STEP, "tolerance": EXPERIMENT_TOLERANCE, "max_deviation": MAX_DEVIATION}
     for name in ("experiments.exp", "fmi-ls-manifest.xml"):
-        tables[name] = filled_xml(HERE / "templates" / name, values)
-    text = filled(HERE / "templates" / "fmi-ls-ref.txt", values).encode()
-    named = {f"{CARRIED}/{name}": content for name, content in tables.items()}
-    return named | {"documentation/fmi-ls-ref.txt": text}
+        tables[name] = render_xml(HERE / "templates" / name, values)
+    text = render(HERE / "templates" / "fmi-ls-ref.txt", values).encode()
+    reference_files = {f"{LS_REF_FOLDER}/{name}": content for name, content in tables.items()}
+    return reference_files | {"documentation/fmi-ls-ref.txt": text}

@@ -17,7 +17,7 @@ from scipy.integrate import DOP853
 from scipy.optimize import brentq, minimize_scalar
 
 from . import cases
-from .cases import A1, A2, A3, A4, M1, M2, TC, TH, Forces, Machine, Mode, Q, speed_of
+from .cases import A1, A2, A3, A4, M1, M2, TC, TH, Forces, Machine, Mode, Q, relative_speed
 from .geometry import Array, UnavailableError
 
 TOLERANCE = 1e-13
@@ -94,17 +94,19 @@ class Reference:
         p, self._wheels = self.machine.p, self.machine.wheels
         self.time, self.switches = 0.0, list[float]()
         self.evaluations, self._max_evaluations = 0, max_evaluations
-        self.state = np.zeros(cases.SUMS + len(cases.INTEGRALS))
+        self.state = np.zeros(cases.FIRST_INTEGRAL + len(cases.INTEGRALS))
         self.state[Q] = p["drive_angle_start"]
         self.state[cases.OMEGA1 : cases.OMEGA4 + 1] = omega1, p["omega2_start"], *[p["omega_out_start"]] * 2
         # without freewheels link 2 is free from the housing and fixed to the output shaft
         closed = cases.OPEN if self._wheels[cases.OUTPUT].is_present else cases.CLOSED
         self.mode: Mode = (cases.OPEN, closed, 1, 1, *[1] * int(p["satellites"]))
-        if any(wheel.is_present and speed_of(self.state, n) < 0.0 for n, wheel in enumerate(self._wheels)):
+        if any(
+            wheel.is_present and relative_speed(self.state, n) < 0.0 for n, wheel in enumerate(self._wheels)
+        ):
             raise UnavailableError("reference: a start with omega2 >= 0 and omega3 >= omega2 is needed")
         for n, wheel in enumerate(self._wheels):
-            self.state[cases.PLAY + n] = wheel.angle * (speed_of(self.state, n) > 0.0)
-        self.give(drive_torque, load_torque)
+            self.state[cases.REMAINING + n] = wheel.angle * (relative_speed(self.state, n) > 0.0)
+        self.set_torques(drive_torque, load_torque)
 
     def _speed_scale(self) -> float:
         """Return the scale of the speeds, rad/s."""
@@ -127,17 +129,19 @@ class Reference:
         for n, torque in ((cases.HOUSING, TH), (cases.OUTPUT, TC)):
             if self._wheels[n].is_present:
                 indicators[n] = (
-                    speed_of(y, n) + rounding if mode[n] == cases.OPEN else x[torque] + self._wheels[n].drag
+                    relative_speed(y, n) + rounding
+                    if mode[n] == cases.OPEN
+                    else x[torque] + self._wheels[n].drag
                 )
-                if mode[n] == cases.BACK:
-                    indicators[n] = np.minimum(y[cases.PLAY + n], rounding - speed_of(y, n))
-                elif mode[n] == cases.DRAGGED:
+                if mode[n] == cases.BACKWARD:
+                    indicators[n] = np.minimum(y[cases.REMAINING + n], rounding - relative_speed(y, n))
+                elif mode[n] == cases.HELD_BY_DRAG:
                     indicators[n] = np.minimum(indicators[n], -x[torque])
-        if machine.rubs and mode[cases.SLIP] == 0:
+        if machine.has_dry_friction and mode[cases.SLIP] == 0:
             friction = forces.journal + forces.satellites + machine.mesh * np.abs(x[M2]) / machine.k
             indicators[cases.SLIP] = friction - np.abs(x[M2] / machine.k - forces.free)
-        elif machine.rubs:
-            indicators[cases.SLIP] = mode[cases.SLIP] * speed_of(y, cases.SLIP) + rounding
+        elif machine.has_dry_friction:
+            indicators[cases.SLIP] = mode[cases.SLIP] * relative_speed(y, cases.SLIP) + rounding
             if machine.mesh:
                 indicators[cases.MESH] = mode[cases.SLIP] * mode[cases.MESH] * x[M2]
             if machine.teeth:
@@ -149,23 +153,25 @@ class Reference:
         """Yield all cases that the speeds allow."""
         y, places = self.state, list[tuple[int, ...]]()
         for n, wheel in enumerate(self._wheels):
-            speed = speed_of(y, n)
+            speed = relative_speed(y, n)
             # a relaxed spring at rest may open
-            is_loaded = wheel.stiffness > 0.0 and (y[cases.WOUND + n] != 0.0 or speed != 0.0)
+            is_loaded = wheel.stiffness > 0.0 and (y[cases.WIND_UP + n] != 0.0 or speed != 0.0)
             if not wheel.is_present or (is_loaded and self.mode[n] == cases.CLOSED):
                 places.append((self.mode[n],))
             elif speed > 0.0:
                 places.append((cases.OPEN,))
-            elif y[cases.PLAY + n] > 0.0:
-                at_rest = cases.DRAGGED, cases.OPEN, cases.BACK
-                places.append((cases.BACK,) if speed < 0.0 else at_rest[wheel.drag == 0.0 :])
+            elif y[cases.REMAINING + n] > 0.0:
+                at_rest = cases.HELD_BY_DRAG, cases.OPEN, cases.BACKWARD
+                places.append((cases.BACKWARD,) if speed < 0.0 else at_rest[wheel.drag == 0.0 :])
             else:
                 # a relaxed spring transmits no torque, so its locked case is always consistent and comes last
                 places.append(
                     (cases.OPEN, cases.CLOSED) if wheel.stiffness > 0.0 else (cases.CLOSED, cases.OPEN)
                 )
-        slip = speed_of(y, cases.SLIP)
-        places.append((0, 1, -1) if slip == 0.0 and self.machine.rubs else (1 if slip >= 0.0 else -1,))
+        slip = relative_speed(y, cases.SLIP)
+        places.append(
+            (0, 1, -1) if slip == 0.0 and self.machine.has_dry_friction else (1 if slip >= 0.0 else -1,)
+        )
         places.append((1, -1) if self.machine.mesh else (1,))
         places += [(1, -1) if self.machine.teeth else (1,)] * (len(self.mode) - cases.TEETH)
         for case in itertools.product(*places):
@@ -187,10 +193,10 @@ class Reference:
         if mode[cases.SLIP] == 0 and abs(x[A1] - x[A2]) > CASE_RTOL * abs(x[A1]):
             return math.inf
         speeds = np.abs(self.state[cases.OMEGA1 : cases.OMEGA4 + 1])
-        rate = self.machine.k * speed_of(self.state, cases.SLIP)
-        torques = np.abs(x[M1:]).sum() + self.machine.work.largest * (speeds[0] ** 2 + rate**2)
+        rate = self.machine.k * relative_speed(self.state, cases.SLIP)
+        torques = np.abs(x[M1:]).sum() + self.machine.work.max_inertia * (speeds[0] ** 2 + rate**2)
         scales = np.full(len(mode), 1e-9 + torques)
-        directions = {cases.OPEN: 1, cases.BACK: -1}
+        directions = {cases.OPEN: 1, cases.BACKWARD: -1}
         for place, direction, acceleration in (
             (cases.HOUSING, directions.get(mode[cases.HOUSING], 0), x[A2]),
             (cases.OUTPUT, directions.get(mode[cases.OUTPUT], 0), x[A3] - x[A2]),
@@ -198,7 +204,9 @@ class Reference:
         ):
             if direction and indicators[place] < math.inf:
                 # from rest it must accelerate in its direction
-                indicators[place] = direction * acceleration if speed_of(self.state, place) == 0.0 else 0.0
+                indicators[place] = (
+                    direction * acceleration if relative_speed(self.state, place) == 0.0 else 0.0
+                )
                 scales[place] = 1e-9 + np.abs(x[: A4 + 1]).sum() + speeds.max() ** 2
         return float(max(0.0, *(-indicators / scales)))
 
@@ -211,12 +219,12 @@ class Reference:
         machine, y = self.machine, self.state
         rates, fastest = machine.rates(y, mode), self._speed_scale()
         growth = np.abs(rates[cases.OMEGA1 : cases.OMEGA4 + 1]).max() / fastest
-        moment = TRIAL_PHASE / (machine.highest * machine.k * fastest + machine.frequency + growth)
-        middle = y + 0.5 * moment * rates
-        later = y + moment * machine.rates(middle, mode)
+        duration = TRIAL_PHASE / (machine.max_order * machine.k * fastest + machine.frequency + growth)
+        middle = y + 0.5 * duration * rates
+        later = y + duration * machine.rates(middle, mode)
         return bool(self._indicators(later, mode, machine.forces(later, mode)).min() >= 0.0)
 
-    def _choose(self, event: int | None = None) -> None:
+    def _select_case(self, event: int | None = None) -> None:
         """Select the case that holds now and continues to hold.
 
         Args:
@@ -238,32 +246,32 @@ class Reference:
             raise ArithmeticError(f"no case holds at {self.time:g} s: {errors}")
         self.mode = best
         locked = [
-            [state in (cases.CLOSED, cases.DRAGGED) for state in mode[: cases.SLIP]]
+            [state in (cases.CLOSED, cases.HELD_BY_DRAG) for state in mode[: cases.SLIP]]
             for mode in (before, self.mode)
         ]
         if locked[0] != locked[1] and self.time > 0.0:
             self.switches.append(self.time)
 
-    def _settle(self, mode: Mode) -> None:
+    def _equalise_speeds(self, mode: Mode) -> None:
         """Make the speeds exactly equal that are equal in a case.
 
         Args:
             mode: case.
         """
         y = self.state
-        if self.machine.joined(mode, cases.HOUSING):
+        if self.machine.is_joined(mode, cases.HOUSING):
             y[cases.OMEGA2] = 0.0
             if mode[cases.SLIP] == 0:
                 y[cases.OMEGA1] = 0.0
         elif mode[cases.SLIP] == 0:
             y[cases.OMEGA2] = y[cases.OMEGA1]
-        if self.machine.joined(mode, cases.OUTPUT):
+        if self.machine.is_joined(mode, cases.OUTPUT):
             y[cases.OMEGA3] = y[cases.OMEGA2]
         if not self.machine.elastic:
             y[cases.OMEGA4] = y[cases.OMEGA3]
         for n, wheel in enumerate(self._wheels):
             # a freewheel that continues to overrun has its full engagement angle
-            y[cases.PLAY + n] = min(y[cases.PLAY + n], wheel.angle)
+            y[cases.REMAINING + n] = min(y[cases.REMAINING + n], wheel.angle)
 
     def _switch(self, place: int) -> None:
         """Handle an event: a freewheel locks or unlocks, a slip ends, or a sign changes.
@@ -273,28 +281,30 @@ class Reference:
         """
         y, before = self.state, self.mode
         spring, remaining = (
-            (self._wheels[place].stiffness, y[cases.PLAY + place]) if place < cases.SLIP else (0.0, 0.0)
+            (self._wheels[place].stiffness, y[cases.REMAINING + place]) if place < cases.SLIP else (0.0, 0.0)
         )
-        if place < cases.SLIP and before[place] == cases.BACK and remaining < -speed_of(y, place):
-            y[cases.PLAY + place] = 0.0
+        if place < cases.SLIP and before[place] == cases.BACKWARD and remaining < -relative_speed(y, place):
+            y[cases.REMAINING + place] = 0.0
             self.mode = (*before[:place], cases.CLOSED, *before[place + 1 :])
             if spring == 0.0:
                 self._engage()
         elif remaining > 0.0:
-            self._settle((*before[:place], cases.DRAGGED, *before[place + 1 :]))
+            self._equalise_speeds((*before[:place], cases.HELD_BY_DRAG, *before[place + 1 :]))
         elif spring > 0.0:
             # a spring that unlocks loses its energy; a spring that locks is relaxed
-            y[cases.SUMS + cases.INTEGRALS.index("freewheel")] += 0.5 * spring * y[cases.WOUND + place] ** 2
-            y[cases.WOUND + place] = 0.0
+            y[cases.FIRST_INTEGRAL + cases.INTEGRALS.index("freewheel")] += (
+                0.5 * spring * y[cases.WIND_UP + place] ** 2
+            )
+            y[cases.WIND_UP + place] = 0.0
             if before[place] == cases.CLOSED:
                 self.mode = (*before[:place], cases.OPEN, *before[place + 1 :])
             else:
                 y[cases.OMEGA2 + place] = 0.0 if place == cases.HOUSING else y[cases.OMEGA2]
-                self._settle(before)
+                self._equalise_speeds(before)
         elif place <= cases.SLIP:
             changed = 1 - before[place] if place < cases.SLIP else 0
-            self._settle((*before[:place], changed, *before[place + 1 :]))
-        self._choose(place)
+            self._equalise_speeds((*before[:place], changed, *before[place + 1 :]))
+        self._select_case(place)
 
     def _rates(self, _: float, y: Array) -> Array:
         """Return the derivatives of the state in the present case.
@@ -321,7 +331,7 @@ class Reference:
             end: end time, s.
         """
         machine, speed = self.machine, self._speed_scale()
-        max_step = MAX_PHASE / (machine.highest * machine.k * speed + machine.frequency)
+        max_step = MAX_PHASE / (machine.max_order * machine.k * speed + machine.frequency)
         return DOP853(
             self._rates,
             time,
@@ -381,11 +391,11 @@ class Reference:
                         end, event = min(events)
                         solver = self._solver(*start, end)
             self.time, self.state = solver.t, solver.y
-            self._settle(self.mode)
+            self._equalise_speeds(self.mode)
             if event is not None:
                 self._switch(event)
 
-    def give(self, drive_torque: float, load_torque: float) -> None:
+    def set_torques(self, drive_torque: float, load_torque: float) -> None:
         """Set the torques from now on.
 
         Args:
@@ -393,9 +403,9 @@ class Reference:
             load_torque: load torque on the output shaft, N.m.
         """
         self.machine.torque, self.machine.load = drive_torque, load_torque
-        self._choose()
+        self._select_case()
 
-    def turn(self, omega1: float, slope: float = 0.0) -> None:
+    def set_speed(self, omega1: float, slope: float = 0.0) -> None:
         """Set speed and acceleration of link 1 from now on.
 
         A jump has no friction. The complementarity conditions of the freewheels hold for the impulses and the
@@ -414,12 +424,12 @@ class Reference:
             if any(wheel.stiffness for wheel in self._wheels):
                 raise UnavailableError("reference: no jumps with compliant freewheels")
             before = self.energy()
-            self._hit(omega1 - y[cases.OMEGA1])
+            self._apply_impact(omega1 - y[cases.OMEGA1])
             y[cases.OMEGA1] = omega1
-            y[cases.SUMS] += self.energy() - before
-        self._choose()
+            y[cases.FIRST_INTEGRAL] += self.energy() - before
+        self._select_case()
 
-    def _hit(self, change: float) -> Array:
+    def _apply_impact(self, change: float) -> Array:
         """Change the speeds by an impact and return its unknowns (Machine.impact).
 
         Args:
@@ -428,7 +438,7 @@ class Reference:
         machine, y, impacts = self.machine, self.state, dict[Mode, Array]()
         # a rigid freewheel without remaining engagement angle takes an impulse
         takes_impulse = [
-            wheel.stiffness == 0.0 and y[cases.PLAY + n] <= 0.0 for n, wheel in enumerate(self._wheels)
+            wheel.stiffness == 0.0 and y[cases.REMAINING + n] <= 0.0 for n, wheel in enumerate(self._wheels)
         ]
         choices = [
             (cases.CLOSED, cases.OPEN)[1 - takes_impulse[n] :]
@@ -453,23 +463,23 @@ class Reference:
 
         mode = min(impacts, key=violation)
         y[cases.OMEGA1 : cases.OMEGA4 + 1] += impacts[mode][: A4 + 1]
-        self._settle(mode)
+        self._equalise_speeds(mode)
         return impacts[mode]
 
     def _engage(self) -> None:
         """Lock a freewheel by an impact; the missing energy is a loss of the freewheel."""
         y, before, speeds = self.state, self.energy(), self.state[cases.OMEGA1 : cases.OMEGA4 + 1].copy()
-        impact = self._hit(0.0)
+        impact = self._apply_impact(0.0)
         work = impact[M1] * y[cases.OMEGA1]
         # the balancer does work on the driven mass
         balanced_inertia = (
             self.machine.p["balancer"] * self.machine.p["driven_inertia"] * self.machine.elastic
         )
         shaft = -balanced_inertia * impact[A3] * (speeds[A4] + 0.5 * impact[A4])
-        y[cases.SUMS] += work
-        y[cases.SUMS + cases.INTEGRALS.index("shaft")] += shaft
-        y[cases.SUMS + cases.INTEGRALS.index("freewheel")] += before + work - shaft - self.energy()
-        y[cases.SUMS + cases.INTEGRALS.index("M1") :] += impact[M1 : TH + 1]
+        y[cases.FIRST_INTEGRAL] += work
+        y[cases.FIRST_INTEGRAL + cases.INTEGRALS.index("shaft")] += shaft
+        y[cases.FIRST_INTEGRAL + cases.INTEGRALS.index("freewheel")] += before + work - shaft - self.energy()
+        y[cases.FIRST_INTEGRAL + cases.INTEGRALS.index("M1") :] += impact[M1 : TH + 1]
 
     @property
     def omega_out(self) -> float:
@@ -482,7 +492,7 @@ class Reference:
 
     def integrals(self) -> dict[str, float]:
         """Return works and losses, J, and impulses of the torques, N.m.s, since the start, by name."""
-        return dict(zip(cases.INTEGRALS, map(float, self.state[cases.SUMS :]), strict=True))
+        return dict(zip(cases.INTEGRALS, map(float, self.state[cases.FIRST_INTEGRAL :]), strict=True))
 
     def torques(self) -> Array:
         """Return M1, M2, Tc and Th, N.m."""

@@ -39,8 +39,8 @@ class VirtualWork:
     Attributes:
         orders: orders of the harmonics per revolution of the pinion shaft.
         terms: coefficients of all series, a column for each order.
-        highest: maximum order.
-        largest: maximum inertia, kg m^2.
+        max_order: maximum order.
+        max_inertia: maximum inertia, kg m^2.
     """
 
     def __init__(self, p: Parameters) -> None:
@@ -83,7 +83,7 @@ class VirtualWork:
         torques *= modules
         own = p["drive_inertia"] * np.array([[p["layout"], p["layout"]], [p["layout"], 1.0]])
         torques[:2, :2] += own[..., None]
-        self.largest = float(np.abs(torques[:2, :2]).max())
+        self.max_inertia = float(np.abs(torques[:2, :2]).max())
         # q'' = k (alpha1 - alpha2)
         torques[:, 0] += k * torques[:, 1]
         torques[:, 1] *= -k
@@ -92,7 +92,7 @@ class VirtualWork:
         sizes = [np.abs(series).max(axis=0) for series in terms]
         is_significant = np.any([size > ROUNDING * size.max() for size in sizes], axis=0)
         selected = np.flatnonzero(is_significant & (orders >= 0.0))
-        self.highest = float(orders[selected].max(initial=0.0))
+        self.max_order = float(orders[selected].max(initial=0.0))
         self.orders = orders[selected]
         # a real series is twice the sum of its positive orders
         self.terms = np.concatenate(terms)[:, selected] * np.where(orders[selected] > 0.0, 2.0, 1.0)

@@ -267,15 +267,15 @@ def reference_values(motion: Motion, max_evaluations: float) -> Array:
     with np.errstate(all="ignore"), suppress(ArithmeticError, UnavailableError, np.linalg.LinAlgError):
         reference = Reference(motion.parameters, first.omega1, first.load, first.drive, max_evaluations)
         for segment in motion.segments:
-            reference.give(segment.drive, segment.load)
+            reference.set_torques(segment.drive, segment.load)
             if motion["drive"] != DRIVE_TORQUE:
-                reference.turn(segment.omega1, segment.slope)
+                reference.set_speed(segment.omega1, segment.slope)
             reference.advance(reference.time + segment.duration)
             rows.append([*reference.state[OMEGA1 : OMEGA4 + 1], reference.energy()])
     return np.array(rows)
 
 
-def judged_motion(motion: Motion) -> tuple[Motion, Array]:
+def motion_for_reference(motion: Motion) -> tuple[Motion, Array]:
     """Return the motion and its values by the reference, (segments, 5).
 
     If the reference does not reach the end of the first segment, all segments are shortened.
@@ -303,7 +303,7 @@ def check_reference(motion: Motion, result: Run, make: Make) -> Metrics:
     """
     if motion.level.fidelity not in (RIGID, ELASTIC):
         return {}
-    motion, expected = judged_motion(motion)
+    motion, expected = motion_for_reference(motion)
     precise = motions.run(motion.changed(tolerance=REFERENCE_TOLERANCE), make)
     if precise.rejection:
         return {REFERENCE: Metric(math.inf, 0.0)}

@@ -8,22 +8,22 @@ from pathlib import Path
 import numpy as np
 
 from ..common.errors import ParameterError
+from ..common.terminal import Progress
 from ..common.units import factor_between
 from ..fmi.results import write_columns, write_mat, write_rows
-from ..fmi.simulate import Progress
-from .converter_chart import RATIOS, TORQUES, TorqueConverterChart, over_ratios
+from .converter_chart import RATIOS, TORQUES, TorqueConverterChart, means_over_ratios
 from .steady_state import Array, SteadyMachine
 
 # input speeds of a map, relative to its maximum speed
 MAP_SPEEDS = np.geomspace(0.1, 1.0, 8)
 # limits of a converter table: maximum torque ratio, and minimum input torque relative to its maximum
-LARGEST_TORQUE_RATIO, MIN_TORQUE_SHARE = 50.0, 1e-4
+MAX_TORQUE_RATIO, MIN_TORQUE_SHARE = 50.0, 1e-4
 # speed ratios of the coast side of a converter table, relative to 1 or to the end ratio above 1
-COAST = np.array([1.01, 1.1, 1.25, 1.5, 2.0])
+COAST_RATIOS = np.array([1.01, 1.1, 1.25, 1.5, 2.0])
 # units of the columns of maps and converter tables; other columns are pure numbers
 UNITS = {**dict.fromkeys(TORQUES, "N.m"), "loss": "W", "capacity_factor": "rad/s/(N.m)^0.5"}
-# columns of a map: fields of SteadyPulses
-MAPPED = ("input_torque", "output_torque", "loss", "efficiency", "ripple")
+# columns of a map: fields of SteadyMeans
+MAP_COLUMNS = ("input_torque", "output_torque", "loss", "efficiency", "ripple")
 VECTO_HEADINGS = ("Speed Ratio", "Torque Ratio", "Input Torque at reference rpm")
 
 
@@ -36,13 +36,13 @@ def steady_map(machine: SteadyMachine, omega1: float, progress: Progress) -> dic
         progress: function that receives the completed share, 0 to 1.
 
     Returns:
-        Columns by name: omega1, rad/s, shape (m,), speed_ratio, shape (n,), and MAPPED, shape (m, n).
+        Columns by name: omega1, rad/s, shape (m,), speed_ratio, shape (n,), and MAP_COLUMNS, shape (m, n).
     """
     speeds, rows = omega1 * MAP_SPEEDS, []
     for speed in speeds:
-        rows.append(over_ratios(machine, speed))
+        rows.append(means_over_ratios(machine, speed))
         progress(len(rows) / speeds.size)
-    columns = {name: np.array([row[name] for row in rows]) for name in MAPPED}
+    columns = {name: np.array([row[name] for row in rows]) for name in MAP_COLUMNS}
     return {"omega1": speeds, "speed_ratio": RATIOS, **columns}
 
 
@@ -68,11 +68,11 @@ def save_map(
     files = [write_columns(Path(f"{stem}.csv"), long, units)]
     if not tables:
         return files
-    for name in MAPPED:
+    for name in MAP_COLUMNS:
         rows = zip(speeds, columns[name], strict=True)
         wide = {f"{name} at {speed:.6g} {unit}": row for speed, row in rows}
-        of_wide = dict.fromkeys(wide, units.get(name, ""))
-        files.append(write_columns(Path(f"{stem}_{name}.csv"), {"speed_ratio": ratios, **wide}, of_wide))
+        wide_units = dict.fromkeys(wide, units.get(name, ""))
+        files.append(write_columns(Path(f"{stem}_{name}.csv"), {"speed_ratio": ratios, **wide}, wide_units))
     return [*files, write_mat(Path(f"{stem}.mat"), "map", {**columns, "omega1": speeds}, units)]
 
 
@@ -88,14 +88,14 @@ def converter_table(machine: SteadyMachine, chart: TorqueConverterChart, omega1:
 
     Returns:
         Finite columns by name, shape (n,) each: speed_ratio, output speed relative to input speed, increasing
-        from 0; torque_ratio, output torque relative to input torque, limited to LARGEST_TORQUE_RATIO,
+        from 0; torque_ratio, output torque relative to input torque, limited to MAX_TORQUE_RATIO,
         negative if the mechanism brakes the shaft; capacity_factor, omega1 / sqrt(input torque),
         rad/s/(N m)^0.5; output_torque and input_torque, means of the mechanism itself, N m.
 
     Raises:
         ParameterError: the mechanism transmits no torque at any ratio.
     """
-    ratios = COAST * max(1.0, chart.end_ratio)
+    ratios = COAST_RATIOS * max(1.0, chart.end_ratio)
     coast = np.zeros((ratios.size, 2))
     if not machine.ideal:
         coast = np.array([machine.coasting(omega1, ratio) for ratio in ratios])
@@ -107,7 +107,7 @@ def converter_table(machine: SteadyMachine, chart: TorqueConverterChart, omega1:
         raise ParameterError(
             f"a converter table requires torque; the mechanism transmits none at {omega1:g} rad/s"
         )
-    minimum = np.maximum(output / LARGEST_TORQUE_RATIO, MIN_TORQUE_SHARE * maximum)
+    minimum = np.maximum(output / MAX_TORQUE_RATIO, MIN_TORQUE_SHARE * maximum)
     limited = np.maximum(input_torque, minimum)
     return {
         "speed_ratio": np.concatenate([chart.speed_ratio, ratios]),
@@ -133,7 +133,7 @@ def save_converter(table: Mapping[str, Array], omega1: float, stem: Path) -> lis
         Paths of the files.
     """
     output, input_torque = table["output_torque"], table["input_torque"]
-    minimum = np.maximum(np.abs(output) / LARGEST_TORQUE_RATIO, MIN_TORQUE_SHARE * input_torque.max())
+    minimum = np.maximum(np.abs(output) / MAX_TORQUE_RATIO, MIN_TORQUE_SHARE * input_torque.max())
     limited = np.copysign(np.maximum(np.abs(input_torque), minimum), input_torque)
     columns = (table["speed_ratio"], output / limited, limited)
     rows = zip(*(column.tolist() for column in columns), strict=True)

@@ -19,11 +19,11 @@ from ..common.equality import ByContent
 from ..fmi.results import write_columns
 from ..interface.variables import BY_NAME
 from ..model import Module
-from .steady_state import Array, SteadyMachine, SteadyPulses
+from .steady_state import Array, SteadyMachine, SteadyMeans
 
 NOMINAL_SPEED: float = BY_NAME["omega1"].nominal or 1.0
-# points between the first and the last ratio of the map, in addition to its knots
-POINTS = 200
+# number of intervals of the speed ratio in the chart of a mechanism without losses
+INTERVALS = 200
 # speed ratios of the chart of a mechanism with losses
 RATIOS = np.linspace(0.0, 0.98, 29)
 
@@ -124,15 +124,16 @@ class TorqueConverterChart(ByContent):
             torque: maximum torque of the drive at this speed, N.m.
 
         Returns:
-            A sentence without its subject, or "" if the torque is sufficient at all speed ratios.
+            A sentence, or "" if the torque is sufficient at all speed ratios.
         """
         required = self.input_torque * omega1**2
-        if not (required > torque * (1.0 + 1e-9)).any():
+        is_overloaded = required > torque * (1.0 + 1e-9)
+        if not is_overloaded.any():
             return ""
-        first = float(self.speed_ratio[np.argmax(required > torque)])
+        first = float(self.speed_ratio[np.argmax(is_overloaded)])
         return (
-            f"the mechanism takes up to {required.max():.4g} N.m at {abs(omega1):.4g} rad/s, the drive has"
-            f" {torque:.4g} N.m: from a speed ratio of {first:.2g} on it cannot hold this speed"
+            f"the drive provides {torque:.4g} N.m, but the mechanism requires up to {required.max():.4g}"
+            f" N.m at {abs(omega1):.4g} rad/s: it cannot hold this speed from a speed ratio of {first:.2g}"
         )
 
     def save(self, path: Path) -> Path:
@@ -146,24 +147,24 @@ class TorqueConverterChart(ByContent):
         return write_columns(path, columns, units)
 
 
-def _scale(number: str, omega1: float | None) -> tuple[float, str]:
+def _scale(name: str, omega1: float | None) -> tuple[float, str]:
     """Return factor and unit of a number of the summary at an input speed, rad/s, or without speed (None)."""
-    if number.endswith("_torque"):
+    if name.endswith("_torque"):
         return (1.0, "N.m.s2") if omega1 is None else (omega1**2, "N.m")
-    if number.endswith("_engagements_maximum"):
+    if name.endswith("_engagements_maximum"):
         return (1.0, "1/rev") if omega1 is None else (abs(omega1) / math.tau, "Hz")
-    return 1.0, "rad/s" if number == "indexing_speed" else ""
+    return 1.0, "rad/s" if name == "indexing_speed" else ""
 
 
-def over_ratios(machine: SteadyMachine, omega1: float) -> dict[str, Array]:
-    """Return the fields of SteadyPulses by name over RATIOS, shape (n,).
+def means_over_ratios(machine: SteadyMachine, omega1: float) -> dict[str, Array]:
+    """Return the fields of SteadyMeans by name, shape (n,) each, at the speed ratios RATIOS.
 
     Args:
         machine: the mechanism.
         omega1: input speed, rad/s, not 0.
     """
     rows = np.array([machine.at(omega1, ratio) for ratio in RATIOS])
-    return dict(zip(SteadyPulses._fields, rows.T, strict=True))
+    return dict(zip(SteadyMeans._fields, rows.T, strict=True))
 
 
 def compute_chart(
@@ -186,12 +187,12 @@ def compute_chart(
     machine = SteadyMachine(parameters)
     machine.check_freewheels()
     if machine.ideal:
-        chart = _chart_of_map(parameters, omega1 < 0.0)
-        means = over_ratios(machine, omega1) if engagements else {}
+        chart = _chart_from_map(parameters, omega1 < 0.0)
+        means = means_over_ratios(machine, omega1) if engagements else {}
         columns = {name: np.interp(chart.speed_ratio, RATIOS, means[name]) for name in ENGAGEMENTS if means}
         return replace(chart, **columns)
     # a chart with losses ends at the last ratio with a positive output torque
-    means = over_ratios(machine, omega1)
+    means = means_over_ratios(machine, omega1)
     number = max(np.flatnonzero(means["output_torque"] > 0.0), default=0) + 1
     locks = omega1 > 0.0 and number == RATIOS.size
     means["lock_up_torque"] = np.full(RATIOS.size, machine.lock_up_torque(omega1) if locks else 0.0)
@@ -200,14 +201,14 @@ def compute_chart(
     return TorqueConverterChart(RATIOS[:number], **columns)
 
 
-def _chart_of_map(parameters: Mapping[str, float | str], backward: bool) -> TorqueConverterChart:
+def _chart_from_map(parameters: Mapping[str, float | str], backward: bool) -> TorqueConverterChart:
     """Return the chart of a mechanism without losses, made from the map of fidelity averaged."""
     # the map contains torques over speeds; it does not depend on the kind of drive
     modes = {**parameters, "fidelity": "averaged", "drive": "speed", "load_torque": 0.0}
     modes |= {"omega1": -1.0 if backward else 1.0, "omega2_start": 0.0, "omega_out_start": 0.0}
     d = Module().start(**modes).derived
     side = d.backward if backward else d.forward
-    ratios = np.linspace(0.0, side.end, POINTS + 1)
+    ratios = np.linspace(0.0, side.end, INTERVALS + 1)
     # at the last ratio the shaft overruns
     modules = [Module().start(**modes | {"omega_out_start": float(ratio)}) for ratio in ratios[:-1]]
     names = ("output_torque", "omega2", "torque_ripple", "torque_peak")

@@ -34,8 +34,8 @@ ANGLES = 3000
 SAMPLES = 60
 
 
-class SteadyPulses(NamedTuple):
-    """Means over whole periods of the pinion shaft.
+class SteadyMeans(NamedTuple):
+    """Means and maxima over whole periods of the pinion shaft.
 
     Attributes:
         output_torque: mean torque on the load, N m; negative if the load must drive the shaft.
@@ -80,14 +80,14 @@ class SteadyMachine:
             omega1^2.
 
     Raises:
-        ParameterError: the parameters are invalid. The methods raise it if a freewheel is missing.
+        ParameterError: the parameters are invalid; raised by the methods if a freewheel is missing.
     """
 
     def __init__(self, parameters: Mapping[str, float | str]) -> None:
         modes = {"fidelity": "rigid", "drive": "speed", "method": "event", "input_hold": "zero_order"}
         zeros = dict.fromkeys(("max_step", "omega2_start", "omega_out_start", "drive_angle_start"), 0.0)
         self._values: dict[str, float | str] = {**parameters, **modes, **zeros}
-        self.module = module = Module().start(**self._set(1.0, 0.0))
+        self.module = module = Module().start(**self._values_at(1.0, 0.0))
         self._derived = d = module.derived
         self.ideal = d.viscous == 0.0 and d.losses == 0.0
         period = int(d.period_turns)
@@ -95,7 +95,7 @@ class SteadyMachine:
         inertia = HOLD_INERTIA_FACTOR * (2.0 * module["energy_stored"] + module["link2_inertia"])
         self._values["output_inertia"] = min(inertia, BY_NAME["output_inertia"].ends[1])
 
-    def _set(self, omega1: float, ratio: float) -> dict[str, float | str]:
+    def _values_at(self, omega1: float, ratio: float) -> dict[str, float | str]:
         """Return the values of the module at an input speed, rad/s, and a speed ratio."""
         return {
             **self._values,
@@ -117,8 +117,8 @@ class SteadyMachine:
             demand = must_be("each of housing_freewheel and output_freewheel", "1", both)
             raise ParameterError(f"{demand}: without both freewheels there is no mean torque")
 
-    def at(self, omega1: float, ratio: float) -> SteadyPulses:
-        """Compute the means of the steady motion.
+    def at(self, omega1: float, ratio: float) -> SteadyMeans:
+        """Compute the means and maxima of the steady motion.
 
         Args:
             omega1: speed of link 1, rad/s, not 0.
@@ -127,7 +127,7 @@ class SteadyMachine:
         module = self._steady(omega1, ratio)
         time, loss, work = module.state.length, module["energy_lost"], module["energy_in"]
         turns = abs(omega1) * time / math.tau  # of link 1
-        return SteadyPulses(
+        return SteadyMeans(
             module["output_torque_mean"] - module["output_friction"] * module["omega_out"],
             math.copysign(1.0, omega1) * module["input_torque_mean"],
             min(max(1.0 - loss / work, 0.0), 1.0) if work > 0.0 else 0.0,
@@ -142,7 +142,7 @@ class SteadyMachine:
         )
 
     def samples(self, names: Sequence[str], omega1: float, ratio: float) -> Array:
-        """Sample outputs in steady motion over the revolutions of a mean.
+        """Sample outputs in steady motion over the same revolutions as the means.
 
         The interval is 1 / SAMPLES of a revolution of the pinion shaft while link 2 is at rest.
 
@@ -164,7 +164,7 @@ class SteadyMachine:
     def _steady(self, omega1: float, ratio: float) -> Module:
         """Return the module in its periodic orbit at an input speed, rad/s, and a speed ratio."""
         self.check_freewheels()
-        return Module().start_steady(self._turns * math.tau, **self._set(omega1, max(ratio, MIN_RATIO)))
+        return Module().start_steady(self._turns * math.tau, **self._values_at(omega1, max(ratio, MIN_RATIO)))
 
     def coasting(self, omega1: float, ratio: float) -> tuple[float, float]:
         """Compute the mean friction torques on the load and on link 1, N m, if the shaft overruns link 1.
@@ -173,7 +173,7 @@ class SteadyMachine:
             omega1: speed of link 1, rad/s, not 0.
             ratio: speed ratio of the output shaft and link 1, above 1.
         """
-        module = Module().start(**self._set(omega1, ratio))
+        module = Module().start(**self._values_at(omega1, ratio))
         module.advance(SETTLING_TURNS * math.tau / abs(omega1))
         module.advance(MAX_TURNS * math.tau / abs(omega1))
         output = module["output_torque_mean"] - module["output_friction"] * module["omega_out"]

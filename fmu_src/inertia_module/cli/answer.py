@@ -1,4 +1,4 @@
-"""Commands: functions that return an answer, with --json, errors in one line and an exit code."""
+"""Commands: functions that return an Answer; added are --json, errors in one line and the exit code."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ import typer
 
 from ..common.errors import sentence_of
 from ..common.terminal import terminal
-from .messages import aside
+from .messages import print_to_stderr
 from .options import Json
 
 STANDARD_OUTPUT = "standard output"
@@ -25,7 +25,7 @@ STANDARD_OUTPUT = "standard output"
 # width of printed lines, characters
 WIDTH = 80
 # part of the output: a line, a title with values by heading, or a function that prints
-Shown = str | tuple[str, dict[str, str]] | Callable[[], None]
+OutputPart = str | tuple[str, dict[str, str]] | Callable[[], None]
 
 
 @dataclass
@@ -41,14 +41,14 @@ class Answer:
     """
 
     data: dict[str, Any]
-    output: Sequence[Shown] = ()
+    output: Sequence[OutputPart] = ()
     files: Mapping[str, Path] = field(default_factory=dict)
     failed: bool = False
     warnings: Sequence[str] = ()
 
 
-# commands with a journal of results
-CONTINUED = ("sweep", "design")
+# commands that reuse the results of an interrupted run
+RESUMABLE = ("sweep", "design")
 
 
 def command(work: Callable[..., Answer]) -> Callable[..., None]:
@@ -66,15 +66,17 @@ def command(work: Callable[..., Answer]) -> Callable[..., None]:
             report_error(sentence_of(error), as_json)
             raise typer.Exit(1) from error
         except KeyboardInterrupt:
-            aside("stopped; the same command continues" if work.__name__ in CONTINUED else "stopped")
+            print_to_stderr(
+                "stopped; the same command continues" if work.__name__ in RESUMABLE else "stopped"
+            )
             if as_json:
                 print_json_error("stopped")
             raise typer.Exit(128 + signal.SIGINT) from None
         try:
-            present(answer, as_json)
+            print_answer(answer, as_json)
         except OSError as error:
             error.filename = STANDARD_OUTPUT
-            aside(f"error: {sentence_of(error)}")
+            print_to_stderr(f"error: {sentence_of(error)}")
             raise typer.Exit(1) from error
         if answer.failed:
             raise typer.Exit(1)
@@ -95,7 +97,7 @@ def report_error(message: str, as_json: bool) -> None:
         message: The message, one line.
         as_json: True to print also {"error": message} to the standard output.
     """
-    aside(f"error: {message}")
+    print_to_stderr(f"error: {message}")
     if as_json:
         print_json_error(message)
 
@@ -110,7 +112,7 @@ def print_json_error(message: str) -> None:
         typer.echo(json.dumps({"error": message}))
 
 
-def present(answer: Answer, as_json: bool) -> None:
+def print_answer(answer: Answer, as_json: bool) -> None:
     """Print the outcome of a command.
 
     Args:
@@ -122,9 +124,9 @@ def present(answer: Answer, as_json: bool) -> None:
         typer.echo(json.dumps(answer.data | ({"files": file_names} if file_names else {})))
         return
     for warning in answer.warnings:
-        aside(f"warning: {warning}")
+        print_to_stderr(f"warning: {warning}")
     for part in answer.output:
-        show(part)
+        print_part(part)
     for line in file_lines(list(answer.files.values())):
         typer.echo(line)
 
@@ -158,7 +160,7 @@ def indented(text: str) -> list[str]:
     )
 
 
-def show(part: Shown) -> None:
+def print_part(part: OutputPart) -> None:
     """Print one part of the output.
 
     Args:

@@ -16,7 +16,7 @@ from ..common.errors import must_be
 from ..common.files import OUTPUT_FOLDER, writable_folder
 from ..common.terminal import progress_bar
 from ..common.units import split_quantity
-from .answer import Answer, Shown, command, file_lines
+from .answer import Answer, OutputPart, command, file_lines
 from .figure_files import FORMATS, FigureFormat, FigurePanel, figure_path, write_picture
 from .options import Keys, OutputFolder, Text, option, speed_of, speed_text, values_of
 
@@ -34,7 +34,7 @@ def chart(
         Text,
         option("Input speed of the chart and of the torque converter tables, e.g. '3000 rpm'.", "SPEED"),
     ] = None,
-    mapped: Annotated[
+    with_map: Annotated[
         bool,
         option(
             "Also write torque converter tables, and maps over speed ratio and input speed.",
@@ -62,34 +62,34 @@ def chart(
     omega1 = None if speed is None else speed_of(speed)
     unit = (split_quantity(speed)[1] if speed else "") or "rad/s"
     reference_speed = omega1 or NOMINAL_SPEED
-    read = {scene.stem: inertia_module.load_scene(scene, values_of(keys)) for scene in scenes}
+    loaded = {scene.stem: inertia_module.load_scene(scene, values_of(keys)) for scene in scenes}
     make = partial(inertia_module.torque_converter_chart, omega1=reference_speed, engagements=True)
-    charts = {name: make(scene.parameters()) for name, scene in read.items()}
-    warnings = [] if omega1 is None else list(_drive_warnings(read, charts, omega1))
+    charts = {name: make(scene.parameters()) for name, scene in loaded.items()}
+    warnings = [] if omega1 is None else list(_drive_warnings(loaded, charts, omega1))
 
-    files, parts, maps = list[Path](), list[Shown](), dict[str, dict[str, Any]]()
+    files, parts, maps = list[Path](), list[OutputPart](), dict[str, dict[str, Any]]()
     data: dict[str, Any] = {"omega1": omega1, "charts": {}, "units": {}}
     for name, result in charts.items():
         files.append(result.save(folder / f"{name}.csv"))
         tables, chart_map = _write_tables(
-            read[name], result, folder / name, reference_speed, unit, mapped, omega1 is not None
+            loaded[name], result, folder / name, reference_speed, unit, with_map, omega1 is not None
         )
         files += tables
         maps |= {name: chart_map} if chart_map and not result.lossless else {}
-        numbers = result.summary(omega1, read[name].freewheels.of("indexing_frequency"))
+        numbers = result.summary(omega1, loaded[name].freewheels.of("indexing_frequency"))
         units = result.units(omega1)
         data["charts"][name], data["units"][name] = numbers, units
         title = name if result.lossless else f"{name}, losses at {speed_text(reference_speed)}"
         title = f"{name} at {speed_text(omega1)}" if omega1 is not None else title
         rows = {key: f"{value:.6g} {units[key]}".rstrip() for key, value in numbers.items()}
         parts.append((title, {key.replace("_", " "): text for key, text in rows.items()}))
-    allowed = {name: _allowed_engagements(scene, reference_speed) for name, scene in read.items()}
+    allowed = {name: _allowed_engagements(scene, reference_speed) for name, scene in loaded.items()}
     figure = inertia_module.chart_figure(
         charts, maps, unit, {name: limit for name, limit in allowed.items() if limit is not None}, omega1
     )
     files.append(write_picture(path, figure, panel))
 
-    if mapped:
+    if with_map:
         parts.append(f"maps up to {speed_text(reference_speed)}, the reference speed of the converter tables")
     return Answer(
         {**data, "files": [str(file) for file in files], "warnings": warnings},
@@ -101,7 +101,7 @@ def chart(
 def _drive_warnings(
     scenes: Mapping[str, Scene], charts: Mapping[str, TorqueConverterChart], omega1: float
 ) -> Iterator[str]:
-    """Yield a warning for each chart that requires more torque than its drive has.
+    """Yield a warning for each chart that requires more torque than the drive of its scene provides.
 
     Args:
         scenes: Scenes by name.
@@ -132,7 +132,7 @@ def _write_tables(
     stem: Path,
     omega1: float,
     unit: str,
-    mapped: bool,
+    with_map: bool,
     has_speed: bool,
 ) -> tuple[list[Path], dict[str, Array] | None]:
     """Write the map and the torque converter table of a scene.
@@ -143,7 +143,7 @@ def _write_tables(
         stem: Path of the files without their endings.
         omega1: Maximum speed of the map and speed of the table, rad/s.
         unit: Unit of the speeds in the map.
-        mapped: True to write all columns of the map, and the table.
+        with_map: True to write all columns of the map, and the table.
         has_speed: True to write the table.
 
     Returns:
@@ -153,11 +153,11 @@ def _write_tables(
     from ..analysis.steady_state import SteadyMachine
 
     machine, files, chart_map = SteadyMachine(scene.parameters()), list[Path](), None
-    if mapped or not chart.lossless:
+    if with_map or not chart.lossless:
         with progress_bar(f"map of {stem.name}") as progress:
             chart_map = steady_map(machine, omega1, progress)
-        files += save_map(chart_map, stem.with_name(f"{stem.name}_map"), unit, mapped)
-    if mapped or has_speed:
+        files += save_map(chart_map, stem.with_name(f"{stem.name}_map"), unit, with_map)
+    if with_map or has_speed:
         table = converter_table(machine, chart, omega1)
         files += save_converter(table, omega1, stem.with_name(f"{stem.name}_converter"))
     return files, chart_map

@@ -12,7 +12,7 @@ import typer
 
 import inertia_module
 
-from ..common.examples import belonging, examples, title_of
+from ..common.examples import companion_files, examples, title_of
 from ..common.files import write_atomically
 from .answer import WIDTH, Answer, command
 from .options import File, Text, option
@@ -38,7 +38,7 @@ def new(
     source = inertia_module.example(name)
     path = output or Path(source.name)
     copies = {path: source}
-    for part in belonging(source):
+    for part in companion_files(source):
         has_same_name = part.stem == source.stem
         copies[path.with_suffix(part.suffix) if has_same_name else path.with_name(part.name)] = part
     for copy in copies:

@@ -12,8 +12,8 @@ import inertia_module
 
 from ..common.files import BUILD_FOLDER, OUTPUT_FOLDER, writable_folder
 from ..common.terminal import progress_bar
-from .answer import Answer, Shown, command
-from .messages import aside
+from .answer import Answer, OutputPart, command
+from .messages import print_to_stderr
 from .options import Keys, OutputFolder, SceneFile, option, quantity_of, values_of
 
 
@@ -25,13 +25,13 @@ def build(output: OutputFolder = None) -> Answer:
     """
     from ..fmu.builder import build as build_fmus
 
-    result = build_fmus(output or BUILD_FOLDER, aside)
+    result = build_fmus(output or BUILD_FOLDER, print_to_stderr)
     fmus = [str(path) for path in result.paths if path.suffix == ".fmu"]
     kernels = [str(path) for path in result.paths if path.suffix != ".fmu"]
 
     for name, reason in result.skipped.items():
-        aside(f"skipped {name}: {reason}")
-    lines = [f"built {path} ({path.stat().st_size / 1024:.0f} kB)" for path in result.paths]
+        print_to_stderr(f"skipped {name}: {reason}")
+    lines = [_line("built", path) for path in result.paths]
     data = {"fmus": fmus, "kernels": kernels, "skipped": result.skipped}
     return Answer(data, lines, failed=bool(result.skipped))
 
@@ -56,7 +56,7 @@ def check(
     rows = {
         f"{reference.experiment}: {reference.variable}": str(reference) for reference in report.references
     }
-    parts: list[Shown] = [(str(fmu), report.facts)]
+    parts: list[OutputPart] = [(str(fmu), report.facts)]
     parts += [("deviation from reference results", rows)] if rows else []
     parts += [f"problem: {problem}" for problem in report.problems]
     parts.append(f"{len(report.problems) or 'no'} problems found")
@@ -76,7 +76,12 @@ def export(scene: SceneFile, output: OutputFolder = None, keys: Keys = None) -> 
     from ..scene.export_plan import scene_plan
 
     folder = writable_folder(output or OUTPUT_FOLDER / "export" / scene.stem)
-    paths = write(scene_plan(inertia_module.load_scene(scene, values_of(keys))), folder, aside)
+    paths = write(scene_plan(inertia_module.load_scene(scene, values_of(keys))), folder, print_to_stderr)
 
-    lines = [f"wrote {path} ({path.stat().st_size / 1024:.0f} kB)" for path in paths]
+    lines = [_line("wrote", path) for path in paths]
     return Answer({"files": [str(path) for path in paths]}, lines)
+
+
+def _line(verb: str, path: Path) -> str:
+    """Return a line about a written file: verb, path and size."""
+    return f"{verb} {path} ({path.stat().st_size / 1024:.0f} kB)"

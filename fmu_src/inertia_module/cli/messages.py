@@ -8,7 +8,7 @@ import logging
 import typer
 
 
-def aside(text: str) -> None:
+def print_to_stderr(text: str) -> None:
     """Print a line to the error output; a closed or full error output is ignored.
 
     Args:
@@ -18,7 +18,7 @@ def aside(text: str) -> None:
         typer.echo(text, err=True)
 
 
-class LogOfStages(logging.Handler):
+class StageLogHandler(logging.Handler):
     """Handler that prints the log of the package: the stages of a build during a command."""
 
     def emit(self, record: logging.LogRecord) -> None:
@@ -27,9 +27,9 @@ class LogOfStages(logging.Handler):
         Args:
             record: The message.
         """
-        aside(record.getMessage())
+        print_to_stderr(record.getMessage())
 
 
 LOG = logging.getLogger("inertia_module")
-LOG.addHandler(LogOfStages())
+LOG.addHandler(StageLogHandler())
 LOG.setLevel(logging.INFO)

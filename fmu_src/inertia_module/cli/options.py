@@ -10,7 +10,7 @@ import typer
 
 from ..common.errors import must_be, unknown
 from ..common.units import factor_between, number_of, split_quantity
-from .messages import aside
+from .messages import print_to_stderr
 
 # types of option values; None without the option
 Text = str | None
@@ -63,7 +63,7 @@ Keys = Annotated[
     Texts,
     option("Override a scene value, e.g. load.torque='8 N.m'; may be repeated.", "KEY=VALUE", "--set"),
 ]
-# names of the fidelity levels, and the name that selects one of them
+# names of the fidelity levels, and "auto", for which the package chooses a level
 FIDELITIES = ("kinematic", "averaged", "rigid", "elastic", "auto")
 
 Json = Annotated[bool, option("Print the result as JSON.", None, "--json")]
@@ -102,9 +102,9 @@ def values_of(keys: list[str] | None) -> dict[str, object]:
     Raises:
         SceneError: A text is not of this form.
     """
-    from ..scene.keys import keys_of_texts
+    from ..scene.keys import keys_from_options
 
-    return keys_of_texts(keys)
+    return keys_from_options(keys)
 
 
 def speed_of(text: str) -> float:
@@ -127,7 +127,7 @@ def speed_of(text: str) -> float:
     if not 0.0 < abs(omega1) <= LARGEST_SPEED:
         raise ValueError(message)
     if not split_quantity(text)[1]:
-        aside(f"warning: --speed {text} has no unit; rad/s is used: {speed_text(omega1)}")
+        print_to_stderr(f"warning: --speed {text} has no unit; rad/s is used: {speed_text(omega1)}")
     return omega1
 
 

@@ -20,7 +20,7 @@ from .answer import STANDARD_OUTPUT, print_json_error
 from .converter_charts import chart
 from .example_files import new
 from .fmu_files import build, check, export
-from .messages import aside
+from .messages import print_to_stderr
 from .options import option
 from .scene_runs import report, run, view
 from .studies import design, fit, orders, sweep, tradeoff
@@ -139,11 +139,11 @@ def main() -> None:
     except SystemExit as leave:
         code = leave.code
     except KeyboardInterrupt:
-        aside("stopped")
+        print_to_stderr("stopped")
         code = 128 + signal.SIGINT
     except OSError as error:  # of the help, which is printed before any command runs
         error.filename = STANDARD_OUTPUT
-        aside(f"error: {sentence_of(error)}")
+        print_to_stderr(f"error: {sentence_of(error)}")
         code = 1
     atexit._run_exitfuncs()
     for stream in (sys.stdout, sys.stderr):

@@ -53,7 +53,9 @@ def run(
     ] = None,
     fmu: FmuToRun = None,
     view: Annotated[bool, option("Also write the viewer to page.html (see view).", None, "--view")] = False,
-    every: Annotated[bool, option("Print every metric, with six digits in SI units.", None, "--all")] = False,
+    all_metrics: Annotated[
+        bool, option("Print every metric, with six digits in SI units.", None, "--all")
+    ] = False,
     keys: Keys = None,
     file_format: FigureFormat = FORMATS[0],
     panel: FigurePanel = None,
@@ -73,8 +75,8 @@ def run(
     path = figure_path(folder, "plot", file_format)
     if view:
         template()
-    read, choice = _read_scene(scene, keys, fidelity, error, view)
-    result, _ = _run_scene(read, fmu, COMPUTED if view else ())
+    loaded, choice = _read_scene(scene, keys, fidelity, error, view)
+    result, _ = _run_scene(loaded, fmu, COMPUTED if view else ())
     page = html_file(result.scene, result) if view and isinstance(result.scene, Scene) else None
     choice_data = {} if choice is None else {"fidelity_choice": choice.as_dict()}
     data = {"scene": str(scene), **result.as_dict(), **choice_data}
@@ -87,10 +89,10 @@ def run(
         files["page"] = write_atomically(folder / "page.html", page)
 
     choice_lines = [] if choice is None else [line for text in choice.lines() for line in indented(text)]
-    if every:
-        return Answer(data, [(read.title, result.lines()), *choice_lines], files, warnings=result.warnings)
-    shown = partial(_print_summary, result, display_units(scene, values_of(keys)))
-    return Answer(data, [shown, *choice_lines], files)
+    if all_metrics:
+        return Answer(data, [(loaded.title, result.lines()), *choice_lines], files, warnings=result.warnings)
+    summary_part = partial(_print_summary, result, display_units(scene, values_of(keys)))
+    return Answer(data, [summary_part, *choice_lines], files)
 
 
 def _print_summary(result: SceneResult, units: Mapping[str, str]) -> None:
@@ -153,20 +155,20 @@ def _read_scene(
     from ..fidelity.choice import choose
     from ..scene import Scene, load_any_scene
 
-    read = load_any_scene(scene, values_of(keys))
-    if not isinstance(read, Scene):
+    loaded = load_any_scene(scene, values_of(keys))
+    if not isinstance(loaded, Scene):
         if view or fidelity is not None or error is not None:
             raise ValueError("--fidelity, --error and --view require a scene of the module")
-        return read, None
+        return loaded, None
     allowed = quantity_of("--error", error, "1", maximum=1.0, above=0.0)
-    if fidelity is not None or (allowed is not None and read.chooses_fidelity):
-        read = read.with_fidelity(fidelity or "auto", allowed)
-    if not read.chooses_fidelity:
+    if fidelity is not None or (allowed is not None and loaded.chooses_fidelity):
+        loaded = loaded.with_fidelity(fidelity or "auto", allowed)
+    if not loaded.chooses_fidelity:
         if allowed is not None:
             raise ValueError(f"--error = {error} requires fidelity auto")
-        return read, None
+        return loaded, None
     with progress_bar("measuring the fidelity levels") as progress:
-        return choose(read, progress)
+        return choose(loaded, progress)
 
 
 @command
@@ -175,7 +177,7 @@ def view(
     output: Annotated[
         File, option("Output file (default: out/SCENE/page.html).", "FILE.html", "--output", "-o")
     ] = None,
-    show: Annotated[bool, option("Open the file in the browser.", None, "--open")] = False,
+    open_browser: Annotated[bool, option("Open the file in the browser.", None, "--open")] = False,
     fmu: FmuToRun = None,
     keys: Keys = None,
 ) -> Answer:
@@ -190,14 +192,14 @@ def view(
 
     path = checked_path(output or OUTPUT_FOLDER / scene.stem / "page.html", "--output")
     template()
-    read, _ = _read_scene(scene, keys)
-    if not isinstance(read, Scene):
+    loaded, _ = _read_scene(scene, keys)
+    if not isinstance(loaded, Scene):
         raise ValueError(must_be(scene.name, "a scene of the module", "a driven shaft"))
     outcome = None
-    if not is_exact(read):
-        outcome, _ = _run_scene(read, fmu, COMPUTED)
-    answer = _write_html(scene, "page", path, html_file(read, outcome), outcome.warnings if outcome else ())
-    if show:
+    if not is_exact(loaded):
+        outcome, _ = _run_scene(loaded, fmu, COMPUTED)
+    answer = _write_html(scene, "page", path, html_file(loaded, outcome), outcome.warnings if outcome else ())
+    if open_browser:
         webbrowser.open(path.absolute().as_uri())
     return answer
 
@@ -236,9 +238,9 @@ def report(
     from ..viewer.html import checked_path
 
     path = checked_path(output or OUTPUT_FOLDER / scene.stem / "report.html", "--output")
-    read, choice = _read_scene(scene, keys)
+    loaded, choice = _read_scene(scene, keys)
     choice_lines = choice.lines() if choice else []
-    result, fmu_path = _run_scene(read, fmu, RECORDED)
+    result, fmu_path = _run_scene(loaded, fmu, RECORDED)
     options = {"--set": keys or [], "--fmu": [str(fmu)] if fmu else [], "-o": [str(output)] if output else []}
     words = [word for name, values in options.items() for value in values for word in (name, value)]
     line = shlex.join(["inertia-module", "report", str(scene), *words])

@@ -12,7 +12,7 @@ import inertia_module
 
 from ..common.files import OUTPUT_FOLDER, writable_folder
 from ..common.terminal import progress_bar
-from .answer import Answer, Shown, command, indented
+from .answer import Answer, OutputPart, command, indented
 from .figure_files import FORMATS, FigureFormat, FigurePanel, figure_path, write_picture
 from .options import (
     FmuToRun,
@@ -30,8 +30,8 @@ from .options import (
     values_of,
 )
 
-# reference angles of an order analysis
-ANGLES = ("link1", "drive_angle")
+# reference angles of an order analysis, repeated here because the import of order_result slows down the help
+REFERENCE_ANGLES = ("link1", "drive_angle")
 
 
 @command
@@ -40,7 +40,7 @@ def orders(
     output: OutputFolder = None,
     of: Annotated[
         str,
-        enumeration("Reference angle: carrier (link1) or pinion shaft (drive_angle).", ANGLES),
+        enumeration("Reference angle: carrier (link1) or pinion shaft (drive_angle).", REFERENCE_ANGLES),
     ] = "link1",
     signals: Annotated[Texts, option("Output to analyse; may be repeated.", "NAME", "--signal")] = None,
     highest: Annotated[float | None, option("Maximum order.", "ORDER")] = None,
@@ -72,14 +72,14 @@ def orders(
     from ..scene.reading import speed_unit
     from ..studies.order_result import BASES
 
-    check_choice("reference angle", of, ANGLES)
+    check_choice("reference angle", of, REFERENCE_ANGLES)
     folder = writable_folder(output or OUTPUT_FOLDER / "orders" / scene.stem)
     path = figure_path(folder, "orders", file_format)
     first, last = quantity_of("--from", begin, "s"), quantity_of("--to", end, "s")
-    read = inertia_module.load_scene(scene, values_of(keys))
-    with progress_bar(read.title) as progress:
+    loaded = inertia_module.load_scene(scene, values_of(keys))
+    with progress_bar(loaded.title) as progress:
         result = inertia_module.orders(
-            read,
+            loaded,
             fmu,
             of=of,
             signals=signals,
@@ -91,11 +91,11 @@ def orders(
         )
     unit, files = speed_unit(scene, values_of(keys)), result.write(folder)
     files |= {"mat": result.write_mat(folder / "orders.mat")} if mat else {}
-    files["picture"] = write_picture(path, order_figure(result, read.title, hz, unit), panel)
+    files["picture"] = write_picture(path, order_figure(result, loaded.title, hz, unit), panel)
 
-    parts: list[Shown] = [f"{read.title}: largest orders, cycles per {BASES[of]}"]
-    if result.step < read.run.communication_step * (1.0 - 1e-9):
-        steps = f"{result.step * 1e3:.3g} ms instead of {read.run.communication_step * 1e3:.3g} ms"
+    parts: list[OutputPart] = [f"{loaded.title}: largest orders, cycles per {BASES[of]}"]
+    if result.step < loaded.run.communication_step * (1.0 - 1e-9):
+        steps = f"{result.step * 1e3:.3g} ms instead of {loaded.run.communication_step * 1e3:.3g} ms"
         parts.append(f"recorded in steps of {steps}, for orders up to {result.highest:.4g} without aliases")
     for name, lines in result.lines(hz=hz, speed_unit=unit).items():
         constant = {"no order": f"0 {result.units[name]}, constant"}
@@ -135,14 +135,14 @@ def sweep(
     Default output folder: out/SCENE_sweep.
     """
     from ..plots.studies import sweep_figure
-    from ..studies.axes import ranges_of_texts
+    from ..studies.axes import ranges_from_options
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_sweep")
     path = figure_path(folder, "plot", file_format)
     with progress_bar(f"sweep of {scene.name}") as progress:
         result = inertia_module.sweep(
             inertia_module.load_scene(scene, values_of(keys)),
-            ranges_of_texts(vary or []),
+            ranges_from_options(vary or []),
             sample=sample,
             sensitivity=sensitivity,
             seed=seed,
@@ -158,7 +158,7 @@ def sweep(
 
     runs = len(result.rows)
     counts = {"runs": f"{runs} ({result.new} new)", "failed": str(len(result.refused))}
-    parts: list[Shown] = [(f"sweep of {scene.name}", counts)]
+    parts: list[OutputPart] = [(f"sweep of {scene.name}", counts)]
     parts += [f"first failure: {row.point}: {row.refused}" for row in result.refused[:1]]
     parts += [f"{name}: not reached in {count} of {runs} runs" for name, count in result.unreached.items()]
     return Answer({"scene": str(scene), **numbers, "unreached": result.unreached}, parts, files)
@@ -199,7 +199,7 @@ def design(
     files = {**result.files, "plot": write_picture(path, inertia_module.design_figure(result), panel)}
     files |= {finalist.file.stem.replace("_", " "): finalist.file for finalist in result.finalists}
 
-    parts: list[Shown] = [
+    parts: list[OutputPart] = [
         (finalist.file.stem.replace("_", " "), result.lines(finalist)) for finalist in result.finalists
     ]
     parts.append(result.verdict())
@@ -265,7 +265,7 @@ def fit(
 
     Without RANGE the search starts from the value in the scene and has no limits except the physical ones.
     """
-    from ..studies.axes import ranges_of_texts
+    from ..studies.axes import ranges_from_options
 
     folder = writable_folder(output or OUTPUT_FOLDER / f"{scene.stem}_fit")
     path = figure_path(folder, "fit", file_format)
@@ -273,7 +273,7 @@ def fit(
         result = inertia_module.fit(
             measured,
             inertia_module.load_scene(scene, values_of(keys)),
-            ranges_of_texts(free or []),
+            ranges_from_options(free or []),
             columns=columns or [],
             starts=starts,
             seed=seed,
@@ -283,7 +283,7 @@ def fit(
         )
     files = {**result.files, "picture": write_picture(path, inertia_module.fit_figure(result), panel)}
 
-    parts: list[Shown] = [
+    parts: list[OutputPart] = [
         (f"{result.scene.title}: fitted values with 95 % intervals", result.lines()),
         ("fixed parameters, released one at a time", result.candidate_lines()),
     ]
@@ -304,8 +304,8 @@ def tradeoff(
 ) -> Answer:
     """Compare accuracy and run time of the fidelity levels.
 
-    Runs a scene at the levels that fidelity auto selects from. Writes
-    tradeoff.csv and tradeoff.png. Default output folder: out/tradeoff.
+    Runs a scene at the levels that fidelity auto selects from. Writes tradeoff.csv and tradeoff.png.
+    Default output folder: out/tradeoff.
     """
     from ..fidelity import choice as levels
     from ..fidelity.level_table import print_levels
@@ -317,15 +317,15 @@ def tradeoff(
         folder = writable_folder(output or OUTPUT_FOLDER / "tradeoff")
         path = figure_path(folder, "tradeoff", file_format)
         allowed = quantity_of("--recommend", recommend, "1", maximum=1.0, above=0.0)
-        read = inertia_module.load_scene(scene, values_of(keys))
-        title, names = read.title, read.run.outputs
-        rows = trial_rows(read, progress)
+        loaded = inertia_module.load_scene(scene, values_of(keys))
+        title, names = loaded.title, loaded.run.outputs
+        rows = trial_rows(loaded, progress)
         choice = levels.recommend(rows, allowed, names) if allowed else None
         files = {"rows": write_rows(folder / "tradeoff.csv", rows)}
         figure = work_precision(rows, names, title)
         files["picture"] = write_picture(path, figure, panel)
 
-    parts: list[Shown] = [partial(print_levels, title, rows, names, allowed or 0.01)]
+    parts: list[OutputPart] = [partial(print_levels, title, rows, names, allowed or 0.01)]
     choice_lines = [] if choice is None else choice.lines()
     parts += [line for text in [*failure_lines(rows), *choice_lines] for line in indented(text)]
     data: dict[str, Any] = {"title": title, "rows": [row.as_dict() for row in rows]}

@@ -48,7 +48,7 @@ class Picture(Figure):
 
     @styled()
     def draw(self, renderer: Any) -> None:
-        """Draw the figure; matplotlib creates ticks and grid lines only now, in the style.
+        """Draw the figure in the style; matplotlib creates ticks and grid lines at the time of drawing.
 
         Args:
             renderer: Renderer of matplotlib.

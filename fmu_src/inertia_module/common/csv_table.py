@@ -26,8 +26,8 @@ from .written_numbers import Reading, booleans, readings
 SEPARATORS = ";\t,"
 # number of rows that are searched for the headings
 HEADING_ROWS = 1000
-# number of rows that are moved to the columns together: too few to start the garbage collector
-BLOCK = 100
+# number of rows that are moved to the columns together, small enough not to start the garbage collector
+BLOCK_ROWS = 100
 COMMENTS = ("#", "%", "//")
 # heading of a column: its name and, in brackets, its unit
 _HEADING = re.compile(r"(.*?)\s*\[(.*)\]$|(.*?)\s+\((.*)\)$", re.DOTALL)
@@ -120,7 +120,7 @@ class CsvTable:
         self.units = {name: unit for name, unit in headings if name and unit}
         first = self._columns[self._headings.index(keys[0]) if keys else 0][:1]
         if first and _is_unit(first[0]):
-            self._take_units(lines.pop(0), [column.pop(0) for column in self._columns])
+            self._read_units(lines.pop(0), [column.pop(0) for column in self._columns])
         if not lines:
             raise TableError(f"{self.path}: no rows below the headings in line {line}")
         self.lines = np.array(lines)
@@ -130,9 +130,9 @@ class CsvTable:
 
     def _find_headings(self, text: str, keys: Sequence[str]) -> tuple[str, int, list[tuple[str, str]]]:
         """Return separator, file line, and names with units of the first row with the most keys."""
-        stated = _SEPARATOR_LINE.match(text)
+        separator_line = _SEPARATOR_LINE.match(text)
         ranked = []
-        for separator in stated[1] if stated else SEPARATORS:
+        for separator in separator_line[1] if separator_line else SEPARATORS:
             reader = _reader(text, separator)
             for row in islice(reader, HEADING_ROWS):
                 if _is_blank(row):
@@ -143,7 +143,7 @@ class CsvTable:
                 number = len({name for name, _ in headings}.intersection(keys))
                 rank = (number, len(row) if number else 0, -line, len(row))
                 # a comment with keys contains the headings: NumPy writes such files
-                if not (stated and line == 1) and (number or not is_comment):
+                if not (separator_line and line == 1) and (number or not is_comment):
                     ranked.append((rank, separator, line, headings))
         if not ranked:
             raise TableError(cannot_read(self.path, "no headings and no numbers"))
@@ -163,7 +163,7 @@ class CsvTable:
             if len(row) != width or not row[0][:1].isdigit():
                 if _is_blank(row) or _is_comment(row) or reader.line_num <= line:
                     continue
-                self._fit(reader.line_num, row)
+                self._match_headings(reader.line_num, row)
             if reader.line_num > line:
                 yield reader.line_num, row
 
@@ -172,15 +172,15 @@ class CsvTable:
         lines: list[int] = []
         columns: list[list[str]] = [[] for _ in self._headings]
         body = self._body(text, line)
-        # the rows are read in blocks, because the garbage collector would visit all of them repeatedly
-        while block := list(islice(body, BLOCK)):
+        # reading in blocks is faster: the garbage collector would visit a list of all rows repeatedly
+        while block := list(islice(body, BLOCK_ROWS)):
             numbers, rows = zip(*block, strict=True)
             lines += numbers
             for column, cells in zip(columns, zip(*rows, strict=True), strict=True):
                 column.extend(cells)
         return lines, columns
 
-    def _fit(self, line: int, row: list[str]) -> None:
+    def _match_headings(self, line: int, row: list[str]) -> None:
         """Cut or extend a row to the length of the headings; cells without a heading must be empty."""
         width = len(self._headings)
         if any(cell.strip() for cell in row[width:]):
@@ -192,7 +192,7 @@ class CsvTable:
         row[width:] = []
         row += [""] * (width - len(row))
 
-    def _take_units(self, line: int, row: list[str]) -> None:
+    def _read_units(self, line: int, row: list[str]) -> None:
         """Take the units of a row below the headings."""
         for name, cell in zip(self._headings, row, strict=True):
             unit = cell.strip("[]() ")
@@ -244,7 +244,7 @@ class CsvTable:
         return values
 
     def points(self, name: str) -> NDArray[np.float64]:
-        """Return the numbers of a column that must not decrease, shape (rows,), in the unit of the file.
+        """Return the numbers of a column, shape (rows,), in the unit of the file; they must not decrease.
 
         Args:
             name: name of the column.
@@ -298,11 +298,11 @@ class CsvTable:
         if any(reading.is_complete for reading in self._readings([cell])):
             others = (n for n in range(row) if re.search(r"[.,'_\s]", cells[n].strip()))
             other = next(others, max(row - 1, 0))
-            model = cells[other].strip()
-            error = f"{start} written like {model!r} in line {self.lines[other]} (got {cell!r})"
-            values = [f"{reading.values[0]:.15g}" for reading in readings([model]) if reading.is_complete]
-            both = f". {model!r} can mean {' or '.join(values)}." if values[1:] else ""
-            return TableError(f"{error}{both}")
+            example = cells[other].strip()
+            error = f"{start} written like {example!r} in line {self.lines[other]} (got {cell!r})"
+            values = [f"{reading.values[0]:.15g}" for reading in readings([example]) if reading.is_complete]
+            meanings = f". {example!r} can mean {' or '.join(values)}." if values[1:] else ""
+            return TableError(f"{error}{meanings}")
         error = f"{start} a finite number (got {cell!r})"
         decimal = readings([cell])[-1]
         if decimal.is_complete:

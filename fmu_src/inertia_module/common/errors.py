@@ -55,7 +55,7 @@ class FmuError(InertiaModuleError, ValueError):
 
 
 class SimulationTerminated(FmuError):  # noqa: N818 - the name of FMI
-    """The FMU ends the simulation in the step that starts at the time of its instance."""
+    """The FMU ends the simulation; the time of its instance is the start of the last step."""
 
 
 class MissingDependencyError(InertiaModuleError, RuntimeError):
@@ -161,7 +161,7 @@ def cannot_read(path: Path | str, reason: BaseException | str) -> str:
 
 
 class UnknownNameError(ParameterError, KeyError):
-    """Unknown name."""
+    """Unknown name of a value; also a KeyError, because the values are in a dictionary."""
 
     __str__ = Exception.__str__  # KeyError would put quotes around the message
 

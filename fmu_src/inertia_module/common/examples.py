@@ -61,7 +61,7 @@ def title_of(path: Path) -> str:
     return match[1] if match else ""
 
 
-def belonging(source: Path) -> list[Path]:
+def companion_files(source: Path) -> list[Path]:
     """Return the files that an example needs: the measurement of the same name, and imported programs.
 
     Args:

@@ -75,7 +75,7 @@ def content_hash(files: Mapping[str, bytes]) -> str:
 
 
 def writable_folder(folder: Path) -> Path:
-    """Return the folder if files can be written to it or it can be created; raise OSError otherwise.
+    """Return the folder if it can be created and files can be written to it; raise OSError otherwise.
 
     Args:
         folder: path of the folder.
@@ -131,7 +131,7 @@ def read_text(path: Path, limit: int = MAX_TEXT_SIZE) -> str:
 
 @contextlib.contextmanager
 def naming(path: Path) -> Iterator[None]:
-    """Add the path of a file to system errors: the error of a full disk has no path.
+    """Add the path of a file to the system errors of a block: the error of a full disk has no path.
 
     Args:
         path: path of the file.
@@ -209,15 +209,15 @@ def write_figure(path: Path, figure: Any) -> Path:
     return write_atomically(path, picture_of(figure, path.suffix))
 
 
-def kept_file(name: str, made_from: Mapping[str, bytes], folder: Path | None = None) -> Path | None:
+def cached_file(name: str, hashed_parts: Mapping[str, bytes], folder: Path | None = None) -> Path | None:
     """Return the path of an undamaged cache file for the same sources, or None.
 
     Args:
         name: name of the file with its ending.
-        made_from: contents by name of everything that the file depends on.
+        hashed_parts: contents by name of everything that the file depends on.
         folder: folder of the file; None for the cache folder.
     """
-    stem, ending = _cache_name(name, made_from)
+    stem, ending = _cache_name(name, hashed_parts)
     for path in sorted((folder or cache_folder()).glob(f"{stem}-*.{ending}")):
         with contextlib.suppress(OSError):
             if path.name == _name_with_hash(stem, ending, path.read_bytes()):
@@ -225,8 +225,8 @@ def kept_file(name: str, made_from: Mapping[str, bytes], folder: Path | None = N
     return None
 
 
-def kept(
-    name: str, made_from: Mapping[str, bytes], make: Callable[[], bytes], folder: Path | None = None
+def cached(
+    name: str, hashed_parts: Mapping[str, bytes], make: Callable[[], bytes], folder: Path | None = None
 ) -> Path:
     """Return the path of a cache file; create it if there is no undamaged one.
 
@@ -236,7 +236,7 @@ def kept(
 
     Args:
         name: name of the file with its ending.
-        made_from: contents by name of everything that the file depends on.
+        hashed_parts: contents by name of everything that the file depends on.
         make: function that returns the content.
         folder: folder of the file; None for the cache folder.
 
@@ -244,7 +244,7 @@ def kept(
         OSError: the folder cannot be written.
     """
     folder = folder or cache_folder()
-    path = kept_file(name, made_from, folder)
+    path = cached_file(name, hashed_parts, folder)
     if path is not None:
         return path
     try:
@@ -252,19 +252,19 @@ def kept(
     except OSError as error:
         raise OSError(f"{error}; INERTIA_MODULE_CACHE names another cache folder") from error
     content = make()
-    path = folder / _name_with_hash(*_cache_name(name, made_from), content)
+    path = folder / _name_with_hash(*_cache_name(name, hashed_parts), content)
     try:
         return write_atomically(path, content)
     except PermissionError:  # Windows: another process has created the file in the meantime and has it open
-        if kept_file(name, made_from, folder) != path:
+        if cached_file(name, hashed_parts, folder) != path:
             raise
         return path
 
 
-def _cache_name(name: str, made_from: Mapping[str, bytes]) -> tuple[str, str]:
+def _cache_name(name: str, hashed_parts: Mapping[str, bytes]) -> tuple[str, str]:
     """Return the stem of a cache file, with a hash of its sources, and its ending."""
     stem, _, ending = name.partition(".")
-    return f"{stem}-{content_hash(made_from)[:16]}", ending
+    return f"{stem}-{content_hash(hashed_parts)[:16]}", ending
 
 
 def _name_with_hash(stem: str, ending: str, content: bytes) -> str:

@@ -20,8 +20,8 @@ RECORD_ROWS = 20
 MAX_HELD_SHARE = 0.5
 # minimum share of the changes of a table that a run must use
 MIN_USED_SHARE = 0.01
-# s; later times are dates (year 1973 in seconds since 1970)
-DATES = 1e8
+# times above this, s, are dates: the year 1973 in seconds since 1970
+MIN_DATE = 1e8
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ def likely_cause(first: float) -> str:
         first: time of the first row, s.
     """
     unit = "name their unit, such as ms, if they are not in s"
-    if first > DATES:
+    if first > MIN_DATE:
         return f"they look like seconds since 1970; subtract the first time from all, or {unit}"
     shift = f"subtract {first:.12g} s from all times, or " if first > 0.0 else ""
     return f"{shift}{unit}"

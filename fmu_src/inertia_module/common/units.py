@@ -161,8 +161,8 @@ def _plain(text: str) -> str:
     return re.sub(r"[.\s]+", ".", re.sub(r"\s*([/()^])\s*", r"\1", joined))
 
 
-def _measure(part: str) -> tuple[float, Dimension, int]:
-    """Return the factor to SI, the exponents of kg, m, s, rad, and the exponent of one factor of a unit."""
+def _parse_factor(part: str) -> tuple[float, Dimension, int]:
+    """Split one factor of a unit, such as m2: factor to SI and dimension without its exponent; exponent."""
     product = _PRODUCTS.get(part.replace("^", ""))
     if product is not None:
         return (*parse_unit(product), 1)
@@ -193,7 +193,7 @@ def parse_unit(text: str) -> tuple[float, Dimension]:
     for place, group in enumerate(groups):
         sign = 1 if place == 0 else -1
         for part in re.split(r"\.(?![^(]*\))", group):
-            base, exponents, exponent = _measure(part)
+            base, exponents, exponent = _parse_factor(part)
             factor *= base ** (sign * exponent)
             for name, power in exponents.items():
                 dimension[name] += sign * exponent * power
@@ -209,8 +209,8 @@ def has_mass(unit: str) -> bool:
     return "kg" in parse_unit(unit or "1")[1]
 
 
-def _readings(unit: str) -> Iterator[str]:
-    """Yield a unit as written, then as engineers use it: 1/min for a shaft speed, lb for a force."""
+def _unit_readings(unit: str) -> Iterator[str]:
+    """Yield a unit as written, then as engineers may mean it: 1/min as rpm, lb as lbf."""
     plain = _plain(unit)
     yield plain
     if _PER_MINUTE.search(plain):
@@ -251,7 +251,7 @@ def factor_between(unit: str, target: str) -> float:
         return 1.0
     to, needed = parse_unit(target)
     try:
-        for reading in _readings(unit):
+        for reading in _unit_readings(unit):
             factor, dimension = parse_unit(reading)
             if dimension == needed:
                 return factor / to
@@ -261,10 +261,10 @@ def factor_between(unit: str, target: str) -> float:
 
 
 def printed_unit(unit: str) -> str:
-    """Return a unit with the signs of print, such as N·m or rad/s².
+    """Return a unit in typographic form, such as N·m or rad/s².
 
     Args:
-        unit: Unit, such as N.m or rad/s2.
+        unit: the unit, such as N.m or rad/s2.
     """
     return re.sub(r"(?<=[a-z])2(?![0-9])", "²", unit).replace(".", "·")
 

@@ -20,7 +20,7 @@ from .units import BOOLEANS
 # signs that separate groups of digits and are never decimal signs
 GROUP_SIGNS = " '_"
 # replacements of non-breaking blanks, the apostrophe and the minus sign by ASCII characters
-_SAME = str.maketrans({"\u00a0": " ", "\u2009": " ", "\u202f": " ", "\u2019": "'", "\u2212": "-"})
+_ASCII_SIGNS = str.maketrans({"\u00a0": " ", "\u2009": " ", "\u202f": " ", "\u2019": "'", "\u2212": "-"})
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ def readings(cells: Sequence[str], comma_separated: bool = False) -> list[Readin
     """
     text = "\n".join(cells)
     if not text.isascii():
-        text = "\n".join(cells := [cell.translate(_SAME) for cell in cells])
+        text = "\n".join(cells := [cell.translate(_ASCII_SIGNS) for cell in cells])
     if " " in text or "\t" in text:
         text = "\n".join(cells := [cell.strip() for cell in cells])
     if not text.isascii():  # float accepts the digits of all scripts

@@ -9,10 +9,10 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..common.files import kept, sources
+from ..common.files import cached, sources
 from ..interface.models import Model
 from . import CompilationError
-from .targets import WIN_ARM, Target, here
+from .targets import WIN_ARM, Target, host_target
 from .tools import ZIG, compiler, run_tool
 from .translate import translate
 
@@ -67,10 +67,10 @@ def run_compiler(target: Target, arguments: Sequence[str], folder: Path) -> None
     if tool.is_zig:
         platform = ("-target", target.compiler, f"-mcpu={target.processor}")
         run_tool([*tool.command, *platform, *FLAGS, *ZIG_FLAGS, *WARNINGS, *arguments], folder)
-    elif target == here():
+    elif target == host_target():
         run_tool([*tool.command, *FLAGS, *WARNINGS, *arguments], folder)
     else:
-        raise CompilationError(f"{tool.command[0]} compiles only for {here().label}; use ziglang")
+        raise CompilationError(f"{tool.command[0]} compiles only for {host_target().label}; use ziglang")
 
 
 def object_file(model: Model, target: Target) -> bytes:
@@ -86,14 +86,13 @@ def object_file(model: Model, target: Target) -> bytes:
             folder = Path(name)
             (folder / "kernel.c").write_bytes(kernel_source(model))
             (folder / "kernel.h").write_bytes(sources("compiling/kernel.h")["compiling/kernel.h"])
-            own = [] if target.system == "windows" else ["-fPIC"]
-            own += windows_headers() if target.system == "windows" else []
-            arguments = [f"-DKERNEL={model.symbol}", *own, "-c", "kernel.c", "-o", "kernel.o"]
+            flags = windows_headers() if target.system == "windows" else ["-fPIC"]
+            arguments = [f"-DKERNEL={model.symbol}", *flags, "-c", "kernel.c", "-o", "kernel.o"]
             run_compiler(target, arguments, folder)
             return (folder / "kernel.o").read_bytes()
 
     depends_on = dependencies(model) | {"platform": f"{target.compiler}-{target.processor}".encode()}
-    return kept(f"{model.name}.o", depends_on, compiled).read_bytes()
+    return cached(f"{model.name}.o", depends_on, compiled).read_bytes()
 
 
 def import_library(target: Target, folder: Path, library: str, names: Sequence[str]) -> str:
@@ -120,8 +119,8 @@ def windows_headers() -> list[str]:
     zig = Path(str(importlib.import_module("ziglang").__file__)).parent
     headers = zig / "lib" / "libc" / "include" / "any-windows-any"
     # Windows has no sincos, but LLVM would replace sin and cos by it
-    own = ("-nostdlib", "-mno-stack-arg-probe", "-fno-builtin-sin", "-fno-builtin-cos")
-    return [*own, "-isystem", str(headers)]
+    flags = ("-nostdlib", "-mno-stack-arg-probe", "-fno-builtin-sin", "-fno-builtin-cos")
+    return [*flags, "-isystem", str(headers)]
 
 
 def windows_runtime(target: Target, folder: Path) -> str:
@@ -160,14 +159,16 @@ def link(
         folder = Path(name)
         for path, text in content.items():
             (folder / path).write_bytes(text)
-        kind, own = ["-shared", "-fPIC", STACK_PROTECTOR], [*target.libraries]
+        kind, libraries = ["-shared", "-fPIC", STACK_PROTECTOR], [*target.libraries]
         if target.system == "windows":
-            kind, own = ["-shared"], [*windows_headers(), windows_runtime(target, folder)]
-            own += [import_library(target, folder, dll, names) for dll, names in (imports or {}).items()]
+            kind, libraries = ["-shared"], [*windows_headers(), windows_runtime(target, folder)]
+            libraries += [
+                import_library(target, folder, dll, names) for dll, names in (imports or {}).items()
+            ]
         elif target.system == "wasi":
             kind = ["-mexec-model=reactor"]
         linked = sorted(path for path in content if path.endswith((".c", ".o", ".rc")))
-        run_compiler(target, [*flags, *kind, "-s", "-o", file, *linked, *own], folder)
+        run_compiler(target, [*flags, *kind, "-s", "-o", file, *linked, *libraries], folder)
         return (folder / file).read_bytes()
 
 
@@ -182,8 +183,8 @@ def with_kernel(model: Model, target: Target, file: str, content: dict[str, byte
         flags: additional flags of the compiler.
     """
     entry = {Path(path).name: text for path, text in sources("compiling/*.[ch]").items()}
-    own = entry | {"kernel.o": object_file(model, target)}
-    return link(target, file, own | content, f"-DKERNEL={model.symbol}", *flags)
+    files = entry | {"kernel.o": object_file(model, target)}
+    return link(target, file, files | content, f"-DKERNEL={model.symbol}", *flags)
 
 
 def kernel_library(model: Model) -> Path:
@@ -192,8 +193,8 @@ def kernel_library(model: Model) -> Path:
     Args:
         model: model of the kernel.
     """
-    target = here()
+    target = host_target()
     name = f"{model.name}-kernel-{target.label}{target.suffix}"
-    return kept(
+    return cached(
         name, dependencies(model), lambda: with_kernel(model, target, f"{model.name}{target.suffix}", {})
     )

@@ -65,23 +65,23 @@ class Expression(NamedTuple):
 
     Attributes:
         text: its text.
-        binding: binding of its outermost operator.
+        precedence: binding of its outermost operator.
         type: its type.
         is_embedded: True for a record within another record, which needs the operator & for its address.
     """
 
     text: str
-    binding: int
+    precedence: int
     type: Type
     is_embedded: bool = False
 
-    def within(self, binding: int) -> str:
+    def within(self, precedence: int) -> str:
         """Return the text as an operand, in brackets if the operator binds more strongly.
 
         Args:
-            binding: binding of the operator.
+            precedence: binding of the operator.
         """
-        return self.text if self.binding >= binding else f"({self.text})"
+        return self.text if self.precedence >= precedence else f"({self.text})"
 
     @property
     def value(self) -> str:
@@ -185,9 +185,9 @@ class Expressions:
             kind: type of the tuple; None for the types of its items.
         """
         items = [self.translate(item) for item in node.elts]
-        own = TupleType(tuple(item.type for item in items))
-        if kind is None or None in own.items:
-            kind = own
+        literal_kind = TupleType(tuple(item.type for item in items))
+        if kind is None or None in literal_kind.items:
+            kind = literal_kind
         if not isinstance(kind, TupleType):
             raise self.scope.reject(node, f"{ast.unparse(node)} must not be a tuple")
         name = self.kernel.tuple_name(kind)
@@ -254,19 +254,21 @@ class Expressions:
                 raise self.scope.reject(node, f"write {ast.unparse(node)} as a product or with math.pow")
         if type(node.op) not in ARITHMETIC:
             raise self.scope.reject(node, f"unknown operator in {ast.unparse(node)}")
-        operator, binding = ARITHMETIC[type(node.op)]
+        operator, precedence = ARITHMETIC[type(node.op)]
         if operator == "/":
             left = Expression(f"(double){left.within(UNARY)}", UNARY, DOUBLE) if kind == INT else left
             kind = DOUBLE
         if operator == "&":  # C compilers warn of operands without brackets
             return Expression(f"{left.within(PRIMARY)} & {right.within(PRIMARY)}", BIT_AND, kind)
-        return Expression(f"{left.within(binding)} {operator} {right.within(binding + 1)}", binding, kind)
+        return Expression(
+            f"{left.within(precedence)} {operator} {right.within(precedence + 1)}", precedence, kind
+        )
 
     def _boolop(self, node: ast.BoolOp) -> Expression:
-        operator, binding = (" && ", AND) if isinstance(node.op, ast.And) else (" || ", OR)
+        operator, precedence = (" && ", AND) if isinstance(node.op, ast.And) else (" || ", OR)
         operands = [self.scalar(value) for value in node.values]
         # brackets also around && within ||: C compilers warn without them
-        return Expression(operator.join(operand.within(AND + 1) for operand in operands), binding, BOOL)
+        return Expression(operator.join(operand.within(AND + 1) for operand in operands), precedence, BOOL)
 
     def _compare(self, node: ast.Compare) -> Expression:
         sides = [node.left, *node.comparators]
@@ -277,9 +279,9 @@ class Expressions:
         for left, operator, right in zip(sides, node.ops, sides[1:], strict=False):
             if type(operator) not in COMPARISONS:
                 raise self.scope.reject(node, f"unknown operator in {ast.unparse(node)}")
-            sign, binding = COMPARISONS[type(operator)]
+            sign, precedence = COMPARISONS[type(operator)]
             operands = [self.scalar(side).within(RELATION + 1) for side in (left, right)]
-            comparisons.append(Expression(f"{operands[0]} {sign} {operands[1]}", binding, BOOL))
+            comparisons.append(Expression(f"{operands[0]} {sign} {operands[1]}", precedence, BOOL))
         if len(comparisons) == 1:
             return comparisons[0]
         return Expression(" && ".join(comparison.text for comparison in comparisons), AND, BOOL)
@@ -290,7 +292,9 @@ class Expressions:
             self.translate(node.body),
             self.translate(node.orelse),
         )
-        texts = [Expression(item.value, item.binding, None).within(TERNARY + 1) for item in (first, second)]
+        texts = [
+            Expression(item.value, item.precedence, None).within(TERNARY + 1) for item in (first, second)
+        ]
         kind = common_type(first.type, second.type)
         return Expression(f"{condition.within(TERNARY + 1)} ? {texts[0]} : {texts[1]}", TERNARY, kind)
 

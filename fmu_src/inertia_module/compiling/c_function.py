@@ -11,7 +11,7 @@ import types
 from .c_expression import ARITHMETIC, PRIMARY, RELATION, Expression, Expressions, Kernel, variable_name
 from .c_types import INT, VOID, Array, Record, TupleType, Type, common_type, declaration
 from .evaluation_order import Memory, called_function, check_order
-from .python_source import LOCAL, Comment, Scope, reads, source_file, stored_names
+from .python_source import LOCAL, Comment, Scope, mentions, source_file, stored_names
 
 WIDTH = 110
 INDENT = "    "
@@ -65,7 +65,7 @@ class Declarations:
         for name, uses in self._uses.items():
             first_path, first = uses[0]
             is_inside = all(path[: len(first_path)] == first_path for path, _ in uses)
-            is_assigned = isinstance(first, ast.Assign) and not reads(first.value, name)
+            is_assigned = isinstance(first, ast.Assign) and not mentions(first.value, name)
             if is_inside and (isinstance(first, ast.For) or is_assigned):
                 self.by_statement.setdefault(first, set()).add(name)
             else:
@@ -155,7 +155,7 @@ class FunctionTranslator:
             [*_comment(ast.get_docstring(self.scope.tree)), *head, "{", *top, *self.lines, "}", ""]
         )
 
-    def _put(self, text: str) -> None:
+    def _emit(self, text: str) -> None:
         self.lines += wrapped(INDENT * self.depth + text)
 
     def _new_name(self, stem: str) -> str:
@@ -163,10 +163,10 @@ class FunctionTranslator:
 
     def _block(self, statements: list[ast.stmt]) -> None:
         for statement in statements:
-            self._put_comments(statement.lineno)
-            own = self.comments.get(statement.lineno)
-            if own is not None:
-                self._put(f"/* {own.text} */")
+            self._emit_comments(statement.lineno)
+            comment = self.comments.get(statement.lineno)
+            if comment is not None:
+                self._emit(f"/* {comment.text} */")
             self.last_line = statement.lineno
             method = getattr(self, f"_{type(statement).__name__.lower()}", None)
             if method is None or (getattr(statement, "orelse", None) and not isinstance(statement, ast.If)):
@@ -181,12 +181,12 @@ class FunctionTranslator:
             if not isinstance(statement, ast.If | ast.While | ast.For):
                 self.last_line = statement.end_lineno or statement.lineno
 
-    def _put_comments(self, line: int) -> None:
-        """Put the comments that stand alone between the last statement and a line."""
+    def _emit_comments(self, line: int) -> None:
+        """Emit the comments that stand alone between the last statement and a line."""
         for number in range(self.last_line + 1, line):
             comment = self.comments.get(number)
             if comment is not None and comment.is_alone:
-                self._put(f"/* {comment.text} */")
+                self._emit(f"/* {comment.text} */")
 
     def _inner_block(self, statements: list[ast.stmt]) -> None:
         self.depth += 1
@@ -194,47 +194,47 @@ class FunctionTranslator:
         self.depth -= 1
 
     def _pass(self, statement: ast.Pass) -> None:
-        """Put nothing."""
+        """Emit nothing."""
 
     def _break(self, statement: ast.Break) -> None:
-        self._put("break;")
+        self._emit("break;")
 
     def _continue(self, statement: ast.Continue) -> None:
-        self._put("continue;")
+        self._emit("continue;")
 
     def _expr(self, statement: ast.Expr) -> None:
         if not isinstance(statement.value, ast.Call):
             raise self.scope.reject(statement, f"{ast.unparse(statement)} has no effect")
-        self._put(f"{self.expressions.translate(statement.value).text};")
+        self._emit(f"{self.expressions.translate(statement.value).text};")
 
     def _return(self, statement: ast.Return) -> None:
         if statement.value is None:
-            return self._put("return;")
+            return self._emit("return;")
         value = self.expressions.translate(statement.value)
         self.result = common_type(self.result, value.type)
         if isinstance(statement.value, ast.Tuple):  # all returns have the same type
             value = self.expressions.literal_tuple(statement.value, self.result)
-        return self._put(f"return {value.value};")
+        return self._emit(f"return {value.value};")
 
     def _condition(self, node: ast.expr) -> str:
         check_order(self.scope, node)
         return self.expressions.scalar(node).text
 
     def _if(self, statement: ast.If, word: str = "if") -> None:
-        self._put(f"{word} ({self._condition(statement.test)}) {{")
+        self._emit(f"{word} ({self._condition(statement.test)}) {{")
         self._inner_block(statement.body)
         match statement.orelse:
             case [ast.If() as nested] if nested.col_offset == statement.col_offset:  # elif
                 return self._if(nested, "} else if")
             case [_, *_]:
-                self._put("} else {")
+                self._emit("} else {")
                 self._inner_block(statement.orelse)
-        return self._put("}")
+        return self._emit("}")
 
     def _while(self, statement: ast.While) -> None:
-        self._put(f"while ({self._condition(statement.test)}) {{")
+        self._emit(f"while ({self._condition(statement.test)}) {{")
         self._inner_block(statement.body)
-        self._put("}")
+        self._emit("}")
 
     def _for(self, statement: ast.For) -> None:
         call, target = statement.iter, statement.target
@@ -249,7 +249,7 @@ class FunctionTranslator:
         end_text = end.within(RELATION + 1)
         if self._may_change(end_node, statement.body):
             end_text = self._new_name("end")
-            self._put(f"const int64_t {end_text} = {end.text};")
+            self._emit(f"const int64_t {end_text} = {end.text};")
         self.variables[target.id] = common_type(self.variables.get(target.id), INT)
         name = variable_name(target.id)
         is_declared = target.id in self.declarations.by_statement.get(statement, ())
@@ -258,11 +258,11 @@ class FunctionTranslator:
         counter = name if is_counter else self._new_name("n")
         relation = "<" if step > 0 else ">"
         move = f"{counter}{'++' if step == 1 else '--' if step == -1 else f' += {step}'}"
-        self._put(f"for (int64_t {counter} = {start}; {counter} {relation} {end_text}; {move}) {{")
+        self._emit(f"for (int64_t {counter} = {start}; {counter} {relation} {end_text}; {move}) {{")
         if not is_counter and target.id != "_":
-            self._put(f"{INDENT}{'int64_t ' * is_declared}{name} = {counter};")
+            self._emit(f"{INDENT}{'int64_t ' * is_declared}{name} = {counter};")
         self._inner_block(statement.body)
-        self._put("}")
+        self._emit("}")
 
     def _constant_step(self, call: ast.Call) -> int:
         """Return the step of a range, a constant other than 0."""
@@ -297,7 +297,7 @@ class FunctionTranslator:
         target = self.expressions.translate(_as_load(statement.target))
         operator = ARITHMETIC.get(type(statement.op))
         if operator is not None and target.type == result.type:
-            self._put(f"{target.text} {operator[0]}= {self.expressions.scalar(statement.value).text};")
+            self._emit(f"{target.text} {operator[0]}= {self.expressions.scalar(statement.value).text};")
         else:
             self._assign_value(statement.target, result, ())
 
@@ -329,7 +329,7 @@ class FunctionTranslator:
     def _is_read(self, target: ast.expr, value: ast.expr) -> bool:
         """Return True if a value may read a target."""
         if isinstance(target, ast.Name):
-            return reads(value, target.id)
+            return mentions(value, target.id)
         parts = list(ast.walk(value))
         if any(called_function(self.scope, part) is not None for part in parts):
             return True
@@ -348,13 +348,13 @@ class FunctionTranslator:
             text = (
                 f"*{value.text}" if isinstance(value.type, Record) and not value.is_embedded else value.text
             )
-            self._put(f"{place.text} = {text};")
+            self._emit(f"{place.text} = {text};")
         elif target.id != "_":
             kind = common_type(self.variables.get(target.id), value.type)
             self.variables[target.id] = kind
             name = variable_name(target.id)
             head = declaration(kind, name) if target.id in declared else name
-            self._put(f"{head} = {value.value};")
+            self._emit(f"{head} = {value.value};")
 
     def _unpack(self, target: ast.Tuple, value: Expression, declared: set[str] | tuple[()]) -> None:
         if not isinstance(value.type, TupleType) or len(value.type.items) != len(target.elts):
@@ -362,7 +362,7 @@ class FunctionTranslator:
         name = value.text
         if not name.isidentifier():
             name = self._new_name("result")
-            self._put(f"const {declaration(value.type, name)} = {value.text};")
+            self._emit(f"const {declaration(value.type, name)} = {value.text};")
         for n, (item, kind) in enumerate(zip(target.elts, value.type.items, strict=True)):
             self._assign_value(item, Expression(f"{name}.item{n}", PRIMARY, kind), declared)
 

@@ -7,13 +7,13 @@ import functools
 import zipfile
 from pathlib import Path
 
-from ..common.files import PACKAGE_FOLDER, kept, ready_made
+from ..common.files import PACKAGE_FOLDER, cached, ready_made
 from ..interface.models import Model
 from . import CompilationError
-from .targets import here
+from .targets import host_target
 
 # argument types of the functions: operation, addresses of p, d, u, x, y, w, and communication step; or
-# the address of a memory.Run
+# the address of a model.Run
 CALLS = {"": (ctypes.c_int64, *[ctypes.c_void_p] * 6, ctypes.c_double), "_run": (ctypes.c_void_p,)}
 # folder within a Python FMU with the libraries of the native FMU, one per platform
 SHIPPED = PACKAGE_FOLDER / "binaries"
@@ -22,7 +22,7 @@ SHIPPED = PACKAGE_FOLDER / "binaries"
 def _library(model: Model) -> Path:
     """Return the path of the shared library with a kernel; a library in an FMU is copied to the cache."""
     if SHIPPED.is_dir():
-        path = SHIPPED / f"{here().folder}{here().suffix}"
+        path = SHIPPED / f"{host_target().folder}{host_target().suffix}"
         if not path.is_file():
             platforms = ", ".join(sorted(file.stem for file in SHIPPED.iterdir()))
             raise CompilationError(f"this FMU has compiled kernels only for {platforms}")
@@ -30,8 +30,8 @@ def _library(model: Model) -> Path:
     fmu = ready_made(f"{model.name}.fmu")
     if fmu is not None:
         with zipfile.ZipFile(fmu) as packed:
-            content = packed.read(f"binaries/{here().folder}/{fmu.stem}{here().suffix}")
-        return kept(fmu.stem + here().suffix, {fmu.name: content}, lambda: content)
+            content = packed.read(f"binaries/{host_target().folder}/{fmu.stem}{host_target().suffix}")
+        return cached(fmu.stem + host_target().suffix, {fmu.name: content}, lambda: content)
     try:
         from .c_compiler import kernel_library
     except ImportError:

@@ -164,7 +164,7 @@ def stored_names(*nodes: ast.AST) -> list[str]:
     return [name.id for name in names if isinstance(name.ctx, ast.Store)]
 
 
-def reads(node: ast.AST, name: str) -> bool:
+def mentions(node: ast.AST, name: str) -> bool:
     """Return True if an expression or a statement mentions a name.
 
     Args:

@@ -68,7 +68,7 @@ SYSTEMS = {"linux": "linux", "win32": "windows", "darwin": "macos"}
 PROCESSORS = {"x86_64": "x86_64", "amd64": "x86_64", "arm64": "aarch64", "aarch64": "aarch64"}
 
 
-def here() -> Target:
+def host_target() -> Target:
     """Return the target of this process.
 
     Raises:

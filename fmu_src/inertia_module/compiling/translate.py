@@ -97,7 +97,7 @@ class KernelTranslator:
         functions: definitions of functions by name.
         texts: different translations of each function.
         translations: name and type of the result of each function, by function and argument types.
-        open: functions that are being translated.
+        in_progress: functions that are being translated.
     """
 
     def __init__(self, record_names: Mapping[int, str]) -> None:
@@ -108,13 +108,13 @@ class KernelTranslator:
         self.functions: dict[str, str] = {}
         self.texts: dict[types.FunctionType, list[str]] = {}
         self.translations: dict[tuple[types.FunctionType, tuple[Type, ...]], tuple[str, Type]] = {}
-        self.open: list[types.FunctionType] = []
+        self.in_progress: list[types.FunctionType] = []
 
     def record(self, field_list: Any) -> Record:
         """Return the record for a list of fields.
 
         Args:
-            field_list: list of fields (see contract.records).
+            field_list: list of fields (see interface.records).
         """
         if field_list not in self.records:
             members: dict[str, Type] = {}
@@ -176,14 +176,14 @@ class KernelTranslator:
         if None in arguments:  # the next pass determines the types
             return c_name(function.__module__, function.__name__), None
         if key not in self.translations:
-            if function in self.open:
+            if function in self.in_progress:
                 scope = Scope(function)
                 raise scope.reject(scope.tree, f"{function.__name__} must not call itself")
-            self.open.append(function)
+            self.in_progress.append(function)
             translator = FunctionTranslator(self, function, arguments)
             translator.translate()
             self.translations[key] = self._add_function(function, translator), translator.result
-            self.open.pop()
+            self.in_progress.pop()
         return self.translations[key]
 
     def _add_function(self, function: types.FunctionType, translator: FunctionTranslator) -> str:

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 # state with the speed of link 1 of a torque-driven module, whose initial value is omega1
 _INPUT_SPEED = "input_speed"
-# bytes of a whole state in each number
+# bytes of a serialised state in each number
 _NUMBER_BYTES = 4
 
 
@@ -37,7 +37,7 @@ def _is_driven_by_torque(fmu: Fmu) -> bool:
     return "drive" in fmu.variables and fmu["drive"] == DRIVE_TORQUE
 
 
-def _motion_of(fmu: Fmu) -> tuple[str, ...]:
+def _motion_states(fmu: Fmu) -> tuple[str, ...]:
     """Return the names of the states of motion; raise FmuError if one of them has no start parameter."""
     if "input_hold" in fmu.variables and fmu["input_hold"] != 0.0:
         raise FmuError(
@@ -71,8 +71,8 @@ def _check_outputs(names: Sequence[str], motion: Sequence[str]) -> None:
         raise FmuError(f"state must be 'whole' with output {name} (got 'motion'): the output {reason}")
 
 
-class _Motion:
-    """Steps that each restart the FMU from the motion, so that results depend on nothing else.
+class _MotionStepper:
+    """Steps of state = 'motion': each step restarts the FMU from the motion, so nothing else affects it.
 
     Args:
         fmu: The FMU, initialised.
@@ -83,21 +83,21 @@ class _Motion:
 
     def __init__(self, fmu: RestartedFmu, step: float, inputs: Sequence[str], outputs: Sequence[str]) -> None:
         self.fmu, self._step, self._inputs = fmu, step, inputs
-        self._motion = _motion_of(fmu)
+        self._motion = _motion_states(fmu)
         _check_outputs(outputs, self._motion)
         # Jumps of these inputs act impulsively, so the state contains their last values.
         self._held = tuple(name for name in inputs if name in ("omega1", "hub_speed"))
-        self._read = (*self._motion, *(name for name in outputs if name not in self._motion))
+        self._read_names = (*self._motion, *(name for name in outputs if name not in self._motion))
         self._start_parameters = [
             "omega1" if name == _INPUT_SPEED else f"{name}_start" for name in self._motion
         ]
         held = [f"{name}_held" for name in self._held]
-        self.names = [*self._motion, *held, *self._read[len(self._motion) :]]
-        self._places = np.array([self.names.index(name) for name in outputs], dtype=np.intp)
+        self.names = [*self._motion, *held, *self._read_names[len(self._motion) :]]
+        self._output_positions = np.array([self.names.index(name) for name in outputs], dtype=np.intp)
         self.start = self._state(fmu.read(self._held))
 
     def _state(self, held: Sequence[float]) -> Array:
-        values = self.fmu.read(self._read)
+        values = self.fmu.read(self._read_names)
         split = len(self._motion)
         return np.array([*values[:split], *held, *values[split:]])
 
@@ -126,13 +126,13 @@ class _Motion:
         Args:
             x: State, shape (states,).
         """
-        return x[self._places]
+        return x[self._output_positions]
 
 
 # --- state: whole ---
 
 
-def numbers_of(data: bytes) -> Array:
+def pack_bytes(data: bytes) -> Array:
     """Pack bytes as integers in doubles, shape (n,); the first number is the count of bytes.
 
     Integers avoid NaN, which the bytes themselves would contain if read as doubles.
@@ -144,14 +144,14 @@ def numbers_of(data: bytes) -> Array:
     return np.concatenate([[float(len(data))], integers.astype(np.float64)])
 
 
-def bytes_of(numbers: Array) -> bytes:
-    """Unpack the bytes that numbers_of packed.
+def unpack_bytes(numbers: Array) -> bytes:
+    """Unpack the bytes that pack_bytes packed.
 
     Args:
-        numbers: Result of numbers_of, shape (n,).
+        numbers: Result of pack_bytes, shape (n,).
 
     Raises:
-        ValueError: The numbers are no result of numbers_of.
+        ValueError: The numbers are no result of pack_bytes.
     """
     is_valid = (numbers >= 0.0) & (numbers < 2.0 ** (8 * _NUMBER_BYTES)) & (numbers == np.floor(numbers))
     capacity = (len(numbers) - 1) * _NUMBER_BYTES
@@ -164,8 +164,8 @@ def bytes_of(numbers: Array) -> bytes:
     return numbers[1:].astype("<u4").tobytes()[: int(numbers[0])]
 
 
-class _Whole:
-    """Steps from serialised states.
+class _WholeStepper:
+    """Steps of state = 'whole': the state is the serialised state of the FMU.
 
     The FMU remains in its last state, so a simulation without jumps restores no state.
 
@@ -184,7 +184,7 @@ class _Whole:
         self.names = ["time", *(f"state[{n}]" for n in range(self.start.size - 1))]
 
     def _save_state(self) -> Array:
-        self._current = np.concatenate([[self.fmu.time], numbers_of(self.fmu.save())])
+        self._current = np.concatenate([[self.fmu.time], pack_bytes(self.fmu.save())])
         return self._current.copy()
 
     def _restore(self, x: Array) -> None:
@@ -192,7 +192,7 @@ class _Whole:
         state = x if x.any() else self.start
         if self._current is None or not np.array_equal(state, self._current):
             self._current = None
-            self.fmu.restore(bytes_of(state[1:]), float(state[0]))
+            self.fmu.restore(unpack_bytes(state[1:]), float(state[0]))
             self._current = state.copy()
 
     def update(self, _: float, x: Array, u: Array) -> Array:
@@ -235,7 +235,7 @@ class FmuSystem(Closing):
         start: Initial state, shape (states,): initial_state for input_output_response.
     """
 
-    def __init__(self, stepper: _Motion | _Whole, **names: Any) -> None:
+    def __init__(self, stepper: _MotionStepper | _WholeStepper, **names: Any) -> None:
         self._fmu, self.start = stepper.fmu, stepper.start
         self.system = ct.nlsys(
             lambda t, x, u, _: stepper.update(
@@ -307,12 +307,12 @@ def fmu_system(
     if state not in ("motion", "whole"):
         raise ValueError(must_be("state", "'motion' or 'whole'", repr(state)))
     inputs, outputs = as_names(inputs), as_names(outputs)
-    kind, stepper = (RestartedFmu, _Motion) if state == "motion" else (Fmu, _Whole)
-    fmu: Any = kind(path, parameters, start, tolerance)
+    fmu_type, stepper_type = (RestartedFmu, _MotionStepper) if state == "motion" else (Fmu, _WholeStepper)
+    fmu: Any = fmu_type(path, parameters, start, tolerance)
     try:
         _check_inputs(fmu, inputs)
         names = {"inputs": list(inputs), "outputs": list(outputs), "name": name or fmu.path.stem}
-        return FmuSystem(stepper(fmu, step, inputs, outputs), dt=step, **names)
+        return FmuSystem(stepper_type(fmu, step, inputs, outputs), dt=step, **names)
     except BaseException:
         fmu.close()
         raise

@@ -71,8 +71,8 @@ class ClosedLoop:
         signals: list[str] = surroundings.output_labels
         self._n_measured = len(surroundings.input_labels)
         self._outputs = [name for name in dict.fromkeys(as_names(outputs)) if name not in signals]
-        self._driven = [(name, signals.index(name)) for name in PLANT_INPUTS if name in signals]
-        if not self._driven:
+        self._plant_inputs = [(name, signals.index(name)) for name in PLANT_INPUTS if name in signals]
+        if not self._plant_inputs:
             inputs = ", ".join(PLANT_INPUTS)
             raise ValueError(
                 f"no output drives an input of the FMU ({inputs}); outputs: {', '.join(signals)}"
@@ -102,7 +102,7 @@ class ClosedLoop:
         rows[:, 0] = np.arange(len(rows)) * length
         if isinstance(self.surroundings, Sources):
             signals = rows[:, first:] = self.surroundings.table(rows[:, 0])
-            inputs = {name: signals[:-1, index] for name, index in self._driven}
+            inputs = {name: signals[:-1, index] for name, index in self._plant_inputs}
             lengths = np.full(len(rows) - 1, length)
             run(self.plant, lengths, inputs, self._outputs, rows[:, 1:first], progress)
         else:
@@ -124,22 +124,24 @@ class ClosedLoop:
         number, systems = (len(rows) - 1) // substeps, self.surroundings
         law, has_states = law_of(systems), systems.nstates > 0
         report_every = max(number // 200, 1)
-        names, driven = [*systems.input_labels, *self._outputs], tuple(name for name, _ in self._driven)
+        read_names = [*systems.input_labels, *self._outputs]
+        input_names = tuple(name for name, _ in self._plant_inputs)
         lengths = np.full(substeps, self.step / substeps)
-        inputs, ends = np.empty((substeps, len(driven))), np.empty((substeps + 1, len(names)))
-        ends[-1] = self.plant.read(names)
+        inputs = np.empty((substeps, len(input_names)))
+        values = np.empty((substeps + 1, len(read_names)))
+        values[-1] = self.plant.read(read_names)
         state: Sequence[float] = [0.0] * systems.nstates
         for n, time in enumerate(rows[::substeps, 0].tolist()):
-            measured = ends[-1, : self._n_measured].tolist()
+            measured = values[-1, : self._n_measured].tolist()
             if n > 0 and has_states:
                 _, state = law(time, state, measured)
             signals, _ = law(time, state, measured)
             begin = n * substeps
-            rows[begin, 1:first] = ends[-1, self._n_measured :]
+            rows[begin, 1:first] = values[-1, self._n_measured :]
             rows[begin : begin + substeps, first:] = signals
             if progress is not None and (n % report_every == 0 or n == number):
                 progress(n / number)
             if n < number:
-                inputs[:] = [signals[index] for _, index in self._driven]
-                self.plant.take_steps(lengths, driven, inputs, names, ends)
-                rows[begin + 1 : begin + substeps, 1:first] = ends[1:-1, self._n_measured :]
+                inputs[:] = [signals[index] for _, index in self._plant_inputs]
+                self.plant.take_steps(lengths, input_names, inputs, read_names, values)
+                rows[begin + 1 : begin + substeps, 1:first] = values[1:-1, self._n_measured :]

@@ -19,7 +19,7 @@ from ..common.errors import must_be
 from ..kernel.codes import DRIVE_TORQUE
 from ..kernel.links import inertia_at_input
 from ..model import Module
-from .sources import Table, between
+from .sources import Table, interpolate
 
 if TYPE_CHECKING:
     from .discrete_system import DiscreteSystem, Numbers
@@ -99,8 +99,8 @@ class EngineMap:
         Args:
             speed: Speed of the engine, rad/s.
         """
-        drag = between(self.speed, self.drag, speed) if speed > 0.0 else 0.0
-        return -drag, between(self.speed, self.full_load, speed)
+        drag = interpolate(self.speed, self.drag, speed) if speed > 0.0 else 0.0
+        return -drag, interpolate(self.speed, self.full_load, speed)
 
 
 @dataclass(frozen=True)
@@ -214,12 +214,12 @@ def torque_driven(parameters: Mapping[str, float], inertia: float) -> dict[str, 
         parameters: Parameters of the module that differ from the defaults, SI, by name.
         inertia: Inertia of the rotor, kg.m2.
     """
-    own = parameters.get("input_inertia", 0.0)
-    return {**parameters, "drive": float(DRIVE_TORQUE), "input_inertia": own + inertia}
+    input_inertia = parameters.get("input_inertia", 0.0) + inertia
+    return {**parameters, "drive": float(DRIVE_TORQUE), "input_inertia": input_inertia}
 
 
 class InterfaceInertia(NamedTuple):
-    """Interface inertia over the angle of the planet shaft.
+    """Interface inertia over the pinion-shaft angle.
 
     Attributes:
         minimum: Minimum, kg.m2.
@@ -248,7 +248,7 @@ def interface_inertia(parameters: Mapping[str, float]) -> InterfaceInertia:
         parameters: Parameters of the module that differ from the defaults, SI, by name.
 
     Returns:
-        Minimum, mean and maximum of Phi over a period of the planet-shaft angle.
+        Minimum, mean and maximum of Phi over a period of the pinion-shaft angle.
 
     Raises:
         ParameterError: The module rejects the parameters.

@@ -182,7 +182,7 @@ def shaft_load(
     return Load(system, inertia, coupling, viscous_friction)
 
 
-def dry_friction(free_speed: float, effect: float, capacity: float) -> float:
+def dry_friction(free_speed: float, speed_per_torque: float, capacity: float) -> float:
     """Return the friction torque that stops a shaft within the step, limited to its capacity, N.m.
 
     This is the complementarity condition of dry friction in discrete time. Friction never reverses the
@@ -190,10 +190,10 @@ def dry_friction(free_speed: float, effect: float, capacity: float) -> float:
 
     Args:
         free_speed: Speed at the end of the step without friction, rad/s.
-        effect: Decrease of this speed per friction torque, rad/s per N.m.
+        speed_per_torque: Decrease of this speed per friction torque, rad/s per N.m.
         capacity: Maximum friction torque, N.m.
     """
-    return min(max(free_speed / effect, -capacity), capacity)
+    return min(max(free_speed / speed_per_torque, -capacity), capacity)
 
 
 def _divide_friction(friction: float, rolling: float, brake: float) -> tuple[float, float]:
@@ -254,13 +254,13 @@ def vehicle_load(
 
     radius = wheel_radius / final_drive  # distance per angle of the output shaft, m/rad
     inertia = mass * radius * radius
-    weight, drag = mass * STANDARD_GRAVITY, 0.5 * air_density * drag_area
+    weight, drag_factor = mass * STANDARD_GRAVITY, 0.5 * air_density * drag_area
 
     def road(speed: float, distance: float, brake_force: float) -> tuple[float, float, float, float]:
         """Return torques of drag and slope, and capacities of rolling resistance and brake, N.m."""
         angle = math.atan(evaluate(slope, distance))
         return (
-            radius * drag * speed * abs(speed),
+            radius * drag_factor * speed * abs(speed),
             radius * weight * math.sin(angle),
             radius * rolling_resistance * weight * math.cos(angle),
             radius * max(brake_force, 0.0),
@@ -275,18 +275,18 @@ def vehicle_load(
             speed, distance = u[0], x[0] + 0.5 * step * radius * (start_speed - u[0])
         else:
             speed, distance = x[1], radius * x[2]
-        drag, slope_torque, rolling, brake = road(radius * speed, distance, u[1])
+        drag_torque, slope_torque, rolling, brake = road(radius * speed, distance, u[1])
+        resistance = drag_torque + slope_torque
         friction = rolling + brake
         if coupling is not None:
-            free_state = a @ x + b @ [u[0], drag + slope_torque]
+            free_state = a @ x + b @ [u[0], resistance]
             friction = dry_friction(free_state[1], -b[1, 1], friction)
         elif not prevents_reverse:
-            # The free speed excludes the torque of the drive, which is unknown here. It changes the next
-            # step.
-            effect = step / inertia
-            friction = dry_friction(u[0] - effect * (drag + slope_torque), effect, friction)
-        parts = drag, slope_torque, *_divide_friction(friction, rolling, brake)
-        torque, next_state = drag + slope_torque + friction, [x[0] + step * radius * speed]
+            # The free speed excludes the torque of the FMU, which is unknown here; it acts in the next step.
+            speed_per_torque = step / inertia
+            friction = dry_friction(u[0] - speed_per_torque * resistance, speed_per_torque, friction)
+        parts = drag_torque, slope_torque, *_divide_friction(friction, rolling, brake)
+        torque, next_state = resistance + friction, [x[0] + step * radius * speed]
         if coupling is not None:
             torque = coupling.torque(x[0], u[0] - speed)
             next_state = (a @ x + b @ [u[0], sum(parts)]).tolist()

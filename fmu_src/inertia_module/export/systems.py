@@ -19,7 +19,7 @@ import fmpy.container_fmu
 
 from .. import __version__
 from ..common.files import write_atomically
-from ..fmu.archive import DESCRIPTION, archive, filled, filled_xml, generation_date, guid_of
+from ..fmu.archive import DESCRIPTION, archive, generation_date, guid_of, render, render_xml
 from ..fmu.builder import MODULE_FMU, SHAFT_FMU, content_of
 from ..fmu.linking import Progress, join_for_mac
 from ..fmu.native_fmu import Build, NativeFmu
@@ -127,29 +127,31 @@ def make_plan(
         step: communication step, s.
         stop_time: stop time, s.
     """
-    own, of_shaft = _parameters(INERTIA_MODULE, values), _parameters(DRIVEN_SHAFT, values)
-    own.setdefault("tolerance", 1e-6)
+    module_values, shaft_values = _parameters(INERTIA_MODULE, values), _parameters(DRIVEN_SHAFT, values)
+    module_values.setdefault("tolerance", 1e-6)
     wires: tuple[Wire, ...] = ()
     if values.get("fidelity") == ELASTIC:
-        rigid = {name: value for name, value in own.items() if name not in DRIVEN_SHAFT.by_name}
-        rigid |= {name: own[name] for name in ("omega_out_start", "input_hold") if name in own}
+        rigid = {name: value for name, value in module_values.items() if name not in DRIVEN_SHAFT.by_name}
+        rigid |= {
+            name: module_values[name] for name in ("omega_out_start", "input_hold") if name in module_values
+        }
         rigid |= {**inputs, "fidelity": float(RIGID), "load_torque": 0.0}
-        start = {"hub_speed": own.get("omega_out_start", 0.0), "load_torque": inputs["load_torque"]}
+        start = {"hub_speed": module_values.get("omega_out_start", 0.0), "load_torque": inputs["load_torque"]}
         parts: tuple[Part, ...] = (
             Part(MODULE, MODULE_FMU, rigid),
-            Part(SHAFT, SHAFT_FMU, of_shaft | start),
+            Part(SHAFT, SHAFT_FMU, shaft_values | start),
         )
         wires = (
             Wire(MODULE, "omega_out", SHAFT, "hub_speed"),
             Wire(SHAFT, "shaft_torque_mean", MODULE, "load_torque"),
         )
     else:
-        parts = (Part(MODULE, MODULE_FMU, {**own, **inputs}),)
+        parts = (Part(MODULE, MODULE_FMU, {**module_values, **inputs}),)
     outputs = tuple((part.name, output) for part in parts for output in CONNECTED_OUTPUTS[part.name])
     return Plan(title, parts, wires, outputs, step, stop_time)
 
 
-def typed(variable: Variable, value: float) -> tuple[str, str]:
+def type_and_value(variable: Variable, value: float) -> tuple[str, str]:
     """Return the type and the value of a variable as texts for files of other tools.
 
     An enumeration becomes an Integer, because libcosim and Ecos do not support enumerations and FMPy does not
@@ -169,13 +171,15 @@ def typed(variable: Variable, value: float) -> tuple[str, str]:
 # --- SSP and OSP ---
 
 
-def _filled(template: str, plan: Plan, **values: Any) -> bytes:
-    """Return a file of a plan, made from its template."""
+def _render(template: str, plan: Plan, **values: Any) -> bytes:
+    """Return a file of a plan, rendered from its template."""
     origin = {
         "generationTool": f"inertia-module {__version__}",
         "generationDateAndTime": generation_date(),
     }
-    return filled_xml(TEMPLATES / template, {"plan": plan, "typed": typed, "origin": origin, **values})
+    return render_xml(
+        TEMPLATES / template, {"plan": plan, "type_and_value": type_and_value, "origin": origin, **values}
+    )
 
 
 def _units(variables: Iterable[Variable]) -> dict[str, dict[str, int]]:
@@ -189,7 +193,7 @@ def osp_structure(plan: Plan) -> bytes:
     Args:
         plan: the system.
     """
-    return _filled(OSP_STRUCTURE, plan)
+    return _render(OSP_STRUCTURE, plan)
 
 
 def ssp_file(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:
@@ -201,13 +205,15 @@ def ssp_file(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:
     """
     wired = [end for w in plan.wires for end in ((w.source, w.output), (w.sink, w.input))]
     # part and name of the variables with a connector: connected variables and outputs of the system
-    ends = list(dict.fromkeys([*wired, *plan.outputs]))
-    units_of_ends = _units(plan.part(owner).variable(name) for owner, name in ends)
+    connectors = list(dict.fromkeys([*wired, *plan.outputs]))
+    connector_units = _units(plan.part(owner).variable(name) for owner, name in connectors)
     files = {f"resources/{name}": content for name, content in fmus.items()}
     for part in plan.parts:
         units = _units(map(part.variable, part.values))
-        files[f"resources/{part.name}.ssv"] = _filled("ParameterSet.ssv", plan, part=part, units=units)
-    files["SystemStructure.ssd"] = _filled("SystemStructure.ssd", plan, ends=ends, units=units_of_ends)
+        files[f"resources/{part.name}.ssv"] = _render("ParameterSet.ssv", plan, part=part, units=units)
+    files["SystemStructure.ssd"] = _render(
+        "SystemStructure.ssd", plan, connectors=connectors, units=connector_units
+    )
     return archive(files)
 
 
@@ -218,13 +224,13 @@ LIBRARY = "container_fmu"
 CONTAINED = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean"}
 
 
-def _texts(plan: Plan, guid: str, inside: Mapping[str, Mapping[str, bytes]]) -> dict[str, bytes]:
+def _texts(plan: Plan, guid: str, fmu_files: Mapping[str, Mapping[str, bytes]]) -> dict[str, bytes]:
     """Return the model description and the configuration of the container.
 
     Args:
         plan: the system.
         guid: GUID of the container.
-        inside: files of each FMU by name of the FMU.
+        fmu_files: files of each FMU by name of the FMU.
     """
     wired = {(wire.sink, wire.input) for wire in plan.wires}
     values = {(part.name, name): value for part in plan.parts for name, value in part.values.items()}
@@ -232,23 +238,23 @@ def _texts(plan: Plan, guid: str, inside: Mapping[str, Mapping[str, bytes]]) -> 
     rows: list[tuple[str, Variable, str, str | None]] = []
     for owner, name in [*(end for end in values if end not in wired), *plan.outputs]:
         variable, value = plan.part(owner).variable(name), values.get((owner, name))
-        kind, start = typed(variable, value or 0.0)
+        kind, start = type_and_value(variable, value or 0.0)
         rows.append((owner, variable, kind, None if value is None else start))
-    description = {"shown": rows, "units": _units(row[1] for row in rows), "guid": guid, "library": LIBRARY}
+    description = {"values": rows, "units": _units(row[1] for row in rows), "guid": guid, "library": LIBRARY}
 
     def reference(owner: str, name: str) -> int:
         part = plan.part(owner)
         return part.fmu.model.variables.index(part.variable(name))
 
-    roots = {p.name: ElementTree.fromstring(inside[p.fmu.file_name][DESCRIPTION]) for p in plan.parts}
+    roots = {p.name: ElementTree.fromstring(fmu_files[p.fmu.file_name][DESCRIPTION]) for p in plan.parts}
     configuration = {
-        **{"plan": plan, "shown": rows, "guid": guid, "version": fmpy.container_fmu.__version__},
+        **{"plan": plan, "values": rows, "guid": guid, "version": fmpy.container_fmu.__version__},
         **{"types": CONTAINED, "reference": reference, "places": {name: n for n, name in enumerate(roots)}},
         "guids": {name: root.get("guid") for name, root in roots.items()},
     }
     return {
-        DESCRIPTION: _filled("container.xml", plan, **description),
-        "resources/container.json": filled(TEMPLATES / "container.json", configuration, json.dumps).encode(),
+        DESCRIPTION: _render("container.xml", plan, **description),
+        "resources/container.json": render(TEMPLATES / "container.json", configuration, json.dumps).encode(),
     }
 
 
@@ -276,10 +282,10 @@ def container(plan: Plan, fmus: Mapping[str, bytes]) -> bytes:
         plan: the system.
         fmus: contents of the FMUs by file name.
     """
-    inside = {file_name: _unpacked(content) for file_name, content in fmus.items()}
+    fmu_files = {file_name: _unpacked(content) for file_name, content in fmus.items()}
     guid = guid_of({**fmus, "structure": osp_structure(plan)})
-    files = _texts(plan, guid, inside) | _libraries()
-    for file_name, content in inside.items():
+    files = _texts(plan, guid, fmu_files) | _libraries()
+    for file_name, content in fmu_files.items():
         folder = f"resources/{Path(file_name).stem}"
         files |= {f"{folder}/{name}": file for name, file in content.items()}
     return archive(files)

@@ -15,7 +15,7 @@ from .levels import FIDELITIES, NOT_MODELLED, at_level, candidates
 from .measure import trial_rows
 from .rows import Row
 
-_NUMBER = {name: number for number, name in FIDELITIES.items()}
+_FIDELITY_NUMBERS = {name: number for number, name in FIDELITIES.items()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +84,7 @@ def rejection(row: Row, error: float, outputs: Sequence[str]) -> str:
     """
     if row.failure:
         return row.failure
-    not_modelled = NOT_MODELLED.get(_NUMBER.get(row.fidelity, -1), {})
+    not_modelled = NOT_MODELLED.get(_FIDELITY_NUMBERS.get(row.fidelity, -1), {})
     for name in outputs:
         if name in not_modelled:
             return f"it {not_modelled[name]} ({name})"
@@ -124,7 +124,7 @@ def recommend(rows: Sequence[Row], error: float, outputs: Sequence[str]) -> Choi
         ParameterError: No level meets the error; the message contains the error of the best level.
     """
     module_rows = sorted(
-        (row for row in rows if row.fidelity in _NUMBER), key=lambda row: row.max_error(outputs)
+        (row for row in rows if row.fidelity in _FIDELITY_NUMBERS), key=lambda row: row.max_error(outputs)
     )
     accurate = [row for row in module_rows if not rejection(row, error, outputs)]
     chosen = cheapest(accurate)
@@ -136,7 +136,7 @@ def recommend(rows: Sequence[Row], error: float, outputs: Sequence[str]) -> Choi
         )
         request = f"error = {error:g} in {', '.join(outputs)}"
         raise ParameterError(f"no fidelity level reaches {request}; {best}")
-    higher = [row for row in accurate if _NUMBER[row.fidelity] > _NUMBER[chosen.fidelity]]
+    higher = [row for row in accurate if _FIDELITY_NUMBERS[row.fidelity] > _FIDELITY_NUMBERS[chosen.fidelity]]
     fine_error = 0.1 * min(error, chosen.max_error(outputs))
     finer = [
         row for row in accurate if row.max_error(outputs) <= fine_error and row.wall_time > chosen.wall_time

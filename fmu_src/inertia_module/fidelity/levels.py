@@ -50,7 +50,7 @@ class Level(ByContent):
         return {"fidelity": float(self.fidelity), **self.parameters}
 
 
-def event(fidelity: int, tolerance: float) -> Level:
+def event_level(fidelity: int, tolerance: float) -> Level:
     """Make an event-driven level.
 
     Args:
@@ -75,7 +75,7 @@ def all_levels(elastic: bool, tolerances: Sequence[float] = TOLERANCES) -> Itera
     yield Level(AVERAGED, "map")
     for fidelity in (RIGID, ELASTIC) if elastic else (RIGID,):
         for tolerance in tolerances:
-            yield event(fidelity, tolerance)
+            yield event_level(fidelity, tolerance)
 
 
 def reference_level(scene: Scene) -> Level:
@@ -84,7 +84,7 @@ def reference_level(scene: Scene) -> Level:
     Args:
         scene: The scene.
     """
-    return event(ELASTIC if is_elastic(scene.explicit_parameters) else RIGID, REFERENCE_TOLERANCE)
+    return event_level(ELASTIC if is_elastic(scene.explicit_parameters) else RIGID, REFERENCE_TOLERANCE)
 
 
 def candidates(scene: Scene) -> list[Level]:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.files import kept, sources
+from ..common.files import cached, sources
 from ..common.terminal import Progress
 from ..driveline import ClosedLoop
 from ..driveline.closed_loop import PLANT_INPUTS
@@ -26,7 +26,7 @@ from ..interface.variables import COMPUTED
 from ..kernel.codes import AVERAGED
 from ..model import Module
 from ..scene import Scene
-from ..scene.run import start_of
+from ..scene.run import initial_values
 from .levels import NOT_MODELLED, Level, at_level, candidates, reference_level
 from .rows import Row, attempt, read_rows, write_rows
 from .timing import kernel_time
@@ -52,11 +52,11 @@ def run_in_process(scene: Scene, progress: Progress | None = None) -> Result:
 
 
 def _start_module(scene: Scene) -> Module:
-    values, inputs = start_of(scene)
+    values, inputs = initial_values(scene)
     return Module().start(**values, **inputs)
 
 
-def time_of(scene: Scene, record: Result) -> float:
+def kernel_time_of(scene: Scene, record: Result) -> float:
     """Measure the kernel time of a scene, s per simulated second.
 
     Args:
@@ -130,20 +130,20 @@ def measure_scene(
         ParameterError: The run at the finest level fails.
     """
 
-    def share(number: int) -> Progress:
+    def progress_of(number: int) -> Progress:
         """Return the progress function of a run; the reference is run 0."""
         report = progress or (lambda fraction: None)
         return lambda fraction: report((number + fraction) / (1 + len(levels)))
 
-    reference = run_in_process(at_level(scene, reference_level(scene)), share(0))
+    reference = run_in_process(at_level(scene, reference_level(scene)), progress_of(0))
 
     def measure(number: int, level: Level) -> dict[str, Any]:
         scene_at_level = at_level(scene, level)
-        record = run_in_process(scene_at_level, share(number))
+        record = run_in_process(scene_at_level, progress_of(number))
         last = record.last()
         return {
             "errors": window_errors(record, reference, scene.accuracy.window, level.fidelity),
-            "wall_time": time_of(scene_at_level, record),
+            "wall_time": kernel_time_of(scene_at_level, record),
             "evaluations": last["rhs_evaluations"],
             "switches": math.nan if level.fidelity == AVERAGED else last["contact_switches"],
         }
@@ -179,4 +179,4 @@ def trial_rows(scene: Scene, progress: Progress | None = None) -> list[Row]:
         with tempfile.TemporaryDirectory() as folder:
             return write_rows(Path(folder) / "trials.csv", rows).read_bytes()
 
-    return read_rows(kept("trials.csv", dependencies(scene), measure))
+    return read_rows(cached("trials.csv", dependencies(scene), measure))

@@ -16,7 +16,7 @@ from ..common.equality import ByContent
 from ..fmi import results
 from .levels import Level
 
-_HEADS = ("fidelity", "method", "setting", "communication_step [s]")
+_HEADINGS = ("fidelity", "method", "setting", "communication_step [s]")
 _COSTS = {
     "wall_time_per_second [s]": "wall_time",
     "rhs_evaluations": "evaluations",
@@ -130,7 +130,7 @@ def write_rows(path: Path, rows: Sequence[Row]) -> Path:
         numbers += [getattr(row, name) for name in _COSTS.values()]
         cells = ["" if math.isnan(value) else float(value) for value in numbers]
         lines.append([row.fidelity, row.method, row.setting, row.communication_step, *cells, row.failure])
-    headings = [*_HEADS, *(f"error {name}" for name in names), *_COSTS, "failure"]
+    headings = [*_HEADINGS, *(f"error {name}" for name in names), *_COSTS, "failure"]
     return results.write_rows(path, headings, lines)
 
 
@@ -144,11 +144,11 @@ def read_rows(path: Path) -> list[Row]:
         ValueError: The file contains another table.
     """
     table = csv.DictReader(path.read_text().splitlines())
-    if tuple(table.fieldnames or ())[: len(_HEADS)] != _HEADS:
-        raise ValueError(f"{path}: the first headings must be {', '.join(_HEADS)}")
+    if tuple(table.fieldnames or ())[: len(_HEADINGS)] != _HEADINGS:
+        raise ValueError(f"{path}: the first headings must be {', '.join(_HEADINGS)}")
     rows = []
     for line in table:
-        fidelity, method, setting, step, failure = (line.pop(name) for name in (*_HEADS, "failure"))
+        fidelity, method, setting, step, failure = (line.pop(name) for name in (*_HEADINGS, "failure"))
         numbers = {name: float(text) if text else math.nan for name, text in line.items()}
         costs = {cost: numbers.pop(name) for name, cost in _COSTS.items()}
         errors = {name.removeprefix("error "): value for name, value in numbers.items()}

@@ -21,14 +21,17 @@ MAX_FILE = 100_000_000
 MAX_ENTRIES = 100_000
 # maximum number of listed problems of the entries
 MAX_PROBLEMS = 10
-CHUNK = 1 << 20
+# number of bytes that are read together
+CHUNK_SIZE = 1 << 20
+# flag of an encrypted entry
 ENCRYPTED = 0x1
 # compression methods that the standard allows
-METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-UNREADABLE_ARCHIVE = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, ValueError)
+COMPRESSION_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+# errors that an invalid archive can cause
+ARCHIVE_ERRORS = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, ValueError)
 DESCRIPTION = "modelDescription.xml"
-# XML files that fmpy parses
-PARSED = (DESCRIPTION, "sources/buildDescription.xml")
+# XML files that fmpy parses: they must not declare a document type
+PARSED_FILES = (DESCRIPTION, "sources/buildDescription.xml")
 
 
 class ArchiveError(FmuError):
@@ -98,7 +101,7 @@ def open_archive(content: bytes) -> zipfile.ZipFile:
     """
     try:
         archive = zipfile.ZipFile(io.BytesIO(content))
-    except UNREADABLE_ARCHIVE as error:
+    except ARCHIVE_ERRORS as error:
         raise FmuError(f"not a zip archive: {error}") from error
     if DESCRIPTION not in archive.namelist():
         raise FmuError(f"no {DESCRIPTION} at the top level of the archive")
@@ -143,7 +146,7 @@ def _fault(entry: zipfile.ZipInfo) -> str:
         return f"must be a file or a folder (got a {'symbolic link' if kind == stat.S_IFLNK else 'device'})"
     if entry.flag_bits & ENCRYPTED:
         return "must not be encrypted"
-    if entry.compress_type not in METHODS:
+    if entry.compress_type not in COMPRESSION_METHODS:
         return f"must be stored or deflated (got compression method {entry.compress_type})"
     return ""
 
@@ -185,7 +188,7 @@ def unpack(archive: zipfile.ZipFile, entries: Sequence[zipfile.ZipInfo], folder:
         with target.open("wb") as stream:
             for chunk in _chunks(archive, entry):
                 stream.write(chunk)
-        if str(PurePosixPath(entry.filename)) in PARSED:
+        if str(PurePosixPath(entry.filename)) in PARSED_FILES:
             reject_entities(target.read_bytes(), entry.filename)
 
 
@@ -194,12 +197,12 @@ def _chunks(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> Iterator[bytes]
     remaining = entry.file_size
     try:
         with archive.open(entry) as packed:
-            while chunk := packed.read(CHUNK):
+            while chunk := packed.read(CHUNK_SIZE):
                 remaining -= len(chunk)
                 if remaining < 0:
                     raise zipfile.BadZipFile("larger than the size in the archive")
                 yield chunk
-    except UNREADABLE_ARCHIVE as error:
+    except ARCHIVE_ERRORS as error:
         raise ArchiveError([f"entry {entry.filename!r} cannot be unpacked: {error}"]) from error
 
 
@@ -217,7 +220,7 @@ def is_unpacked(entries: Sequence[zipfile.ZipInfo], folder: Path) -> bool:
         if not path.is_file() or path.stat().st_size != entry.file_size:
             return False
         with path.open("rb") as stream:
-            while chunk := stream.read(CHUNK):
+            while chunk := stream.read(CHUNK_SIZE):
                 checksum = zlib.crc32(chunk, checksum)
         if checksum != entry.CRC:
             return False

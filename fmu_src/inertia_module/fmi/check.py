@@ -39,19 +39,19 @@ def check_fmu(
     """
     if not timeout > 0.0:
         raise FmuError(must_be("timeout", "a positive number of seconds", timeout))
-    file = regular_file(path).absolute()
+    file = regular_file(path).absolute()  # the process runs in another folder
     with tempfile.TemporaryDirectory(prefix="inertia-module-check-", ignore_cleanup_errors=True) as name:
-        state, folder = Path(name, "journal.json"), Path(name, "work")
+        journal_file, folder = Path(name, "journal.json"), Path(name, "work")
         folder.mkdir()
 
         def watch() -> None:
             if progress is not None:
-                progress(Journal.read(state).share)
+                progress(Journal.read(journal_file).share)
 
         module = f"{__package__}.examination"
-        arguments = [str(file), str(state), str(memory)]
+        arguments = [str(file), str(journal_file), str(memory)]
         end = run_child([sys.executable, "-W", "ignore", "-m", module, *arguments], folder, timeout, watch)
-        journal = Journal.read(state)
+        journal = Journal.read(journal_file)
     if journal.error:
         raise FmuError(journal.error.replace(str(file), str(path)))
     if not journal.stage and end.code:
@@ -59,23 +59,23 @@ def check_fmu(
         raise FmuError(f"cannot start the process of the check: {reason}")
     report = journal.report
     if not journal.is_done:
-        report.problems.append(_verdict(journal, end, timeout, memory))
+        report.problems.append(_failure_message(journal, end, timeout, memory))
     if end.output.strip():
-        report.problems.append(f"the FMU prints to standard output: {_beginning(end.output)}")
+        report.problems.append(f"the FMU prints to standard output: {_first_line(end.output)}")
     if end.errors.strip():
-        report.warnings.append(f"the FMU prints to standard error: {_beginning(end.errors)}")
+        report.warnings.append(f"the FMU prints to standard error: {_first_line(end.errors)}")
     report.problems, report.warnings = listed(report.problems), listed(report.warnings)
     report.facts = {heading: line_of(text) for heading, text in report.facts.items()}
     return report
 
 
-def _beginning(text: str) -> str:
+def _first_line(text: str) -> str:
     """Return the first line of a text, quoted."""
     return repr(text.strip().splitlines()[0][:200])
 
 
-def _verdict(journal: Journal, end: End, timeout: float, memory: int) -> str:
-    """Return the message about an examination that is not complete."""
+def _failure_message(journal: Journal, end: End, timeout: float, memory: int) -> str:
+    """Return the message about an examination that has not reached its end."""
     stage = journal.stage or "starting"
     if end.code is None:
         place = "" if journal.time is None else f" (simulation time {journal.time:g} s)"

@@ -16,7 +16,7 @@ from typing import IO, Any, NamedTuple
 # time between two polls of the process, s
 INTERVAL = 0.05
 # waiting time for the last output after the end of the process, s
-LAST_OUTPUT = 1.0
+OUTPUT_WAIT = 1.0
 # maximum length of the stored beginning of an output, bytes
 MAX_OUTPUT = 2000
 
@@ -49,7 +49,7 @@ def run_child(command: Sequence[str], folder: Path, timeout: float, watch: Calla
         watch: function that is called regularly.
     """
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(os.path.abspath, sys.path))}
-    last = time.monotonic() + timeout
+    deadline = time.monotonic() + timeout
     child = subprocess.Popen(
         command,
         bufsize=0,
@@ -61,15 +61,15 @@ def run_child(command: Sequence[str], folder: Path, timeout: float, watch: Calla
         start_new_session=True,
     )
     try:
-        outputs = [_Beginning(stream) for stream in (child.stdout, child.stderr)]
+        outputs = [_OutputReader(stream) for stream in (child.stdout, child.stderr)]
         code = child.poll()
-        while code is None and time.monotonic() < last:
+        while code is None and time.monotonic() < deadline:
             time.sleep(INTERVAL)
             watch()
             code = child.poll()
     finally:
         _kill(child)
-    output, errors = (beginning.text() for beginning in outputs)
+    output, errors = (reader.text() for reader in outputs)
     return End(code, output, errors, _memory())
 
 
@@ -95,7 +95,7 @@ def _memory() -> int:
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * unit
 
 
-class _Beginning:
+class _OutputReader:
     """Reads a stream to its end in a thread and stores its beginning.
 
     Args:
@@ -115,6 +115,6 @@ class _Beginning:
         os.close(self._descriptor)
 
     def text(self) -> str:
-        """Return the beginning; escaped processes that hold the stream open do not block."""
-        self._thread.join(LAST_OUTPUT)
+        """Return the stored beginning; an escaped process that holds the stream open does not block."""
+        self._thread.join(OUTPUT_WAIT)
         return bytes(self._content).decode("utf-8", "replace")

@@ -1,6 +1,6 @@
 """Unpacked copies of FMUs: one folder for each content, shared by all processes of a user.
 
-A copy is in the cache folder; its name is a hash of the archive. One rename makes it appear complete. A
+A copy is in the cache folder; its name is a hash of the archive. It is unpacked elsewhere and renamed. A
 process does not remove its own copies at its end, so a crash needs no cleanup. Instead a process that makes
 a new copy removes all copies that were not opened for days.
 """
@@ -49,7 +49,7 @@ def unpacked(content: bytes) -> str:
             folder = place / name
             try:
                 if not (folder in _checked and folder.is_dir()):
-                    _ensure(folder, content)
+                    _complete(folder, content)
             except OSError as error:
                 failures.append(f"{place}: {error.strerror or error}")
                 continue
@@ -67,14 +67,14 @@ def _places() -> tuple[Path, ...]:
     return cache_folder().absolute() / "unpacked", temporary
 
 
-def _ensure(folder: Path, content: bytes) -> None:
+def _complete(folder: Path, content: bytes) -> None:
     """Make a copy complete: unpack it if it is missing or damaged."""
     _make_place(folder.parent)
     with open_archive(content) as archive:
         entries = checked_entries(archive)
         if not is_unpacked(entries, folder):
             _prune(folder.parent)
-            _make(archive, entries, folder)
+            _make_copy(archive, entries, folder)
 
 
 def _make_place(place: Path) -> None:
@@ -85,13 +85,13 @@ def _make_place(place: Path) -> None:
         raise PermissionError("not a folder of this user")
 
 
-def _make(archive: zipfile.ZipFile, entries: Sequence[zipfile.ZipInfo], folder: Path) -> None:
+def _make_copy(archive: zipfile.ZipFile, entries: Sequence[zipfile.ZipInfo], folder: Path) -> None:
     """Unpack a copy next to its place and move it there; another process may do the same at the same time."""
     fresh = Path(tempfile.mkdtemp(prefix=UNFINISHED, dir=folder.parent))
     try:
         unpack(archive, entries, fresh)
         if folder.exists() and not is_unpacked(entries, folder):
-            _remove(folder)
+            _remove_copy(folder)
         try:
             os.rename(fresh, folder)
         except OSError:
@@ -101,7 +101,7 @@ def _make(archive: zipfile.ZipFile, entries: Sequence[zipfile.ZipInfo], folder: 
         shutil.rmtree(fresh, ignore_errors=True)
 
 
-def _remove(folder: Path) -> None:
+def _remove_copy(folder: Path) -> None:
     """Remove a copy; a rename comes first, so that no process uses an incomplete copy."""
     trash = Path(tempfile.mkdtemp(prefix=REMOVED, dir=folder.parent))
     os.rename(folder, trash / folder.name)
@@ -114,4 +114,4 @@ def _prune(place: Path) -> None:
     for folder in place.iterdir():
         with contextlib.suppress(OSError):  # another process removes it, or Windows has it open
             if folder.stat().st_mtime < oldest:
-                _remove(folder)
+                _remove_copy(folder)

@@ -1,6 +1,6 @@
 """Runs of any FMU: co-simulation of FMI 2.0 and 3.0 with values of all types; fmpy runs all other kinds.
 
-The class `fmu.Fmu` is faster, but it supports only numbers.
+The class `instance.Fmu` is faster, but it supports only numbers.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from fmpy.fmi1 import FMICallException
 from numpy.typing import NDArray
 
 from ..common.errors import FmuError
-from .experiments import REALS, TEXTS, Column, Table, size_of
-from .instance import DISCARD, TERMINATED, Log
+from .experiments import TEXTS, Column, Table, size_of
+from .instance import DISCARD, REALS, TERMINATED, Log
 from .loading import instantiate
 
 Array = NDArray[np.float64]
@@ -28,7 +28,7 @@ Sample = Callable[[float, dict[str, Values]], None]
 
 # maximum number of early returns in one communication step, and of updates of discrete states in one event
 MAX_REPETITIONS = 10_000
-# parts of the names of functions, if they differ from the name of the type
+# type in the names of the functions get… and set…, if it differs from the type of the variable
 CALLS_2 = {"Enumeration": "Integer"}
 CALLS_3 = {"Real": "Float64", "Integer": "Int32", "Enumeration": "Int64"}
 
@@ -42,7 +42,7 @@ class Plan(NamedTuple):
         tolerance: relative tolerance, or None.
         start: pairs of a variable and its start values.
         inputs: table of the inputs, or None.
-        events: use event mode and early return (FMI 3.0).
+        events: True to use event mode and early return (FMI 3.0).
     """
 
     times: Array
@@ -139,10 +139,10 @@ class Inputs:
         if last + 1 < rows.size and time > rows[last]:
             share = float((time - rows[last]) / (rows[last + 1] - rows[last]))
         for column in self._table.columns.values():
-            set_values(instance, column.variable, _at(column, last, share))
+            set_values(instance, column.variable, _values_at(column, last, share))
 
 
-def _at(column: Column, row: int, share: float) -> Values:
+def _values_at(column: Column, row: int, share: float) -> Values:
     """Return the values of a column in a row, or between this row and the next one (share 0 to 1)."""
     if isinstance(column.values, list):
         return [column.values[row]]
@@ -188,7 +188,7 @@ def _co_simulate(instance: Any, plan: Plan, outputs: Outputs, sample: Sample) ->
     instance.enterInitializationMode()
     instance.exitInitializationMode()
     if plan.events:
-        if _update(instance):
+        if _update_discrete_states(instance):
             return True
         instance.enterStepMode()
     sample(first, outputs.read(instance))
@@ -217,7 +217,7 @@ def _advance(instance: Any, begin: float, end: float, events: bool) -> bool:
         time = last_time if is_early else end
         if events and is_event:
             instance.enterEventMode()
-            if _update(instance):
+            if _update_discrete_states(instance):
                 return True
             instance.enterStepMode()
         if time >= end:
@@ -232,7 +232,7 @@ def _ends_simulation(instance: Any) -> bool:
     return False
 
 
-def _update(instance: Any) -> bool:
+def _update_discrete_states(instance: Any) -> bool:
     """Update the discrete states in event mode; return True if the FMU ends the simulation."""
     for _ in range(MAX_REPETITIONS):
         needs_update, ends, *_ = instance.updateDiscreteStates()
@@ -254,7 +254,7 @@ def _run_by_fmpy(description: Any, folder: str, plan: Plan, log: Log, sample: Sa
         sample(time, outputs.read(recorder.fmu))
         return True
 
-    def take(environment: int | None, instance: bytes, *message: Any) -> None:
+    def take_message(environment: int | None, instance: bytes, *message: Any) -> None:
         log.take(environment, *message)
 
     simulate_fmu(
@@ -269,6 +269,6 @@ def _run_by_fmpy(description: Any, folder: str, plan: Plan, log: Log, sample: Sa
         debug_logging=True,
         remote_platform=None,
         step_finished=step_finished,
-        logger=log.take if description.fmiVersion[0] == "3" else take,
+        logger=log.take if description.fmiVersion[0] == "3" else take_message,
     )
     return last_time < last - 1e-6 * float(plan.times[-1] - plan.times[0])

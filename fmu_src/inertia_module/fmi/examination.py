@@ -26,7 +26,7 @@ from ..common.errors import FmuError, cannot_read
 from .archive import MAX_UNPACKED, ArchiveError, read_archive
 from .copies import unpacked
 from .cosimulation import Array, Plan, Values, run
-from .experiments import UNREADABLE, Experiment, experiments
+from .experiments import FILE_ERRORS, Experiment, experiments
 from .instance import Log, read_description
 from .replay import replay
 from .report import Journal, Report, listed, reason_of
@@ -64,10 +64,10 @@ def examine(path: Path, journal: Journal) -> Report:
     report.facts = _facts(description, folder)
     report.problems += validate_fmu(str(folder))
     tests = _experiments(folder, report)
-    if _can_step(description, folder, report):
-        _step(description, folder, journal)
+    if _can_simulate(description, folder, report):
+        _simulate(description, folder, journal)
         if getattr(description.coSimulation, "hasEventMode", False):
-            _step(description, folder, journal, events=True)
+            _simulate(description, folder, journal, events=True)
         if tests and description.coSimulation is None:
             report.warnings.append("reference results are not checked: this requires co-simulation")
             tests = []
@@ -104,7 +104,7 @@ def _platforms(folder: Path) -> list[str]:
     return names + ["c-code"] * any(folder.glob("sources/*.c"))
 
 
-def _can_step(description: Any, folder: Path, report: Report) -> bool:
+def _can_simulate(description: Any, folder: Path, report: Report) -> bool:
     """Return True if an FMU can be simulated on this machine; otherwise add the reason to the report."""
     interface = description.coSimulation or description.modelExchange
     if interface is None:  # a warning and no problem, because the FMU is correct
@@ -122,7 +122,7 @@ def _experiments(folder: Path, report: Report) -> list[Experiment]:
     """Return the reference experiments in an FMU; an unreadable file is added to the problems."""
     try:
         return experiments(folder)
-    except UNREADABLE as error:
+    except FILE_ERRORS as error:
         report.problems.append(cannot_read("the reference experiments", error))
         return []
 
@@ -177,7 +177,7 @@ def _default_times(description: Any, report: Report) -> Array:
     return span.times(MAX_STEPS)
 
 
-def _step(description: Any, folder: Path, journal: Journal, events: bool = False) -> None:
+def _simulate(description: Any, folder: Path, journal: Journal, events: bool = False) -> None:
     """Simulate the default experiment of an FMU and check its outputs."""
     report, log = journal.report, Log()
     outputs = [variable for variable in description.modelVariables if variable.causality == "output"]
@@ -228,7 +228,7 @@ def _end_with_parent() -> None:
     threading.Thread(target=watch, daemon=True).start()
 
 
-def _limit(memory: int) -> None:
+def _limit_resources(memory: int) -> None:
     """Limit memory, bytes, and file sizes of this process, if the system supports it; forbid core files."""
     try:
         import resource
@@ -240,7 +240,7 @@ def _limit(memory: int) -> None:
             resource.setrlimit(kind, (limit, limit))
 
 
-def _identity(descriptor: int) -> tuple[int, int] | None:
+def _file_identity(descriptor: int) -> tuple[int, int] | None:
     """Return the identity of an open file, or None if it is closed."""
     try:
         status = os.fstat(descriptor)
@@ -266,15 +266,15 @@ def main(path: str, file: str, memory: str) -> None:
         memory: memory limit, bytes, as text.
     """
     _end_with_parent()
-    _limit(int(memory))
-    journal, output = Journal(Path(file)), _identity(1)
+    _limit_resources(int(memory))
+    journal, output = Journal(Path(file)), _file_identity(1)
     try:
         examine(Path(path), journal)
     except FmuError as error:
         journal.error = str(error)
     except Exception as error:
         journal.report.problems.append(f"{journal.stage} failed: {reason_of(error)}")
-    if _identity(1) != output:
+    if _file_identity(1) != output:
         journal.report.problems.append("the FMU closes the standard output of its process")
     journal.is_done = True
     journal.write()

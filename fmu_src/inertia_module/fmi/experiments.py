@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from ..common.errors import FmuError, cannot_read, must_be, unknown
 from ..common.units import BOOLEANS, factor_between, number_of
 from .archive import parse_inside, read_inside
+from .instance import REALS, items_of
 
 Array = NDArray[np.float64]
 
@@ -28,9 +29,8 @@ MANIFEST = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml"
 # allowed deviation of a result without a tolerance, relative to the maximum of the reference
 RELATIVE_DEVIATION = 1e-2
 # exceptions that a file can cause if it violates the standards
-UNREADABLE = (OSError, SyntaxError, LookupError, ValueError)
+FILE_ERRORS = (OSError, SyntaxError, LookupError, ValueError)
 TEXTS = ("String", "Binary")
-REALS = ("Real", "Float32", "Float64")
 # name of an array element: "y[2]", "A[1,2]"
 _ELEMENT = re.compile(r"(.+)\[\s*(\d+(?:\s*,\s*\d+)*)\s*\]$")
 # name with a unit: "omega [rpm]"
@@ -123,18 +123,20 @@ def experiments(folder: Path) -> list[Experiment]:
         LookupError: a file violates the standards: an item is missing.
         ValueError: a file violates the standards: a value is invalid.
     """
-    manifest, bound, results = folder / MANIFEST, list[Experiment](), list[Path]()
+    manifest = folder / MANIFEST
+    described: list[Experiment] = []
+    result_files: list[Path] = []
     if not manifest.is_file():
-        return bound
+        return []
     for related in parse_inside(folder, manifest).iterfind("Related"):
         role, file = related.get("role", ""), manifest.parent / related.get("source", "")
         if role.startswith("experiment"):
             rows = parse_inside(folder, file).iterfind("Experiment[References]")
-            bound += [_experiment(row, folder, file.parent) for row in rows]
+            described += [_experiment(row, folder, file.parent) for row in rows]
         elif role == "result" and file.suffix == ".csv":
-            results.append(file)
-    files = [experiment.results for experiment in bound]
-    return bound + [Experiment(file.stem, file) for file in results if file not in files]
+            result_files.append(file)
+    used_files = [experiment.results for experiment in described]
+    return described + [Experiment(file.stem, file) for file in result_files if file not in used_files]
 
 
 # --- values and tables ---
@@ -152,14 +154,10 @@ def value_of(variable: Any, value: float | str) -> list[float] | list[str]:
     """
     if variable.type in TEXTS:
         return [str(value)]
-    items = None
-    if variable.type == "Boolean":
-        items = BOOLEANS
-    elif variable.type not in REALS and getattr(variable.declaredType, "items", None):
-        items = {item.name: float(item.value) for item in variable.declaredType.items}
+    items = items_of(variable)
     words = value.split() if isinstance(value, str) and variable.shape else [value]
     try:
-        numbers = [number_of(_number(word), variable.unit or "1", items) for word in words]
+        numbers = [number_of(_number_or_text(word), variable.unit or "1", items) for word in words]
     except ValueError as error:
         demand = must_be(variable.name, f"a number in {variable.unit or '1'}", repr(value))
         raise FmuError(f"{demand}: {error}") from None
@@ -170,7 +168,7 @@ def value_of(variable: Any, value: float | str) -> list[float] | list[str]:
     return numbers
 
 
-def _number(word: float | str) -> float | str:
+def _number_or_text(word: float | str) -> float | str:
     """Convert a text to a number, if it is a number without a unit."""
     try:
         return float(word)
@@ -178,7 +176,7 @@ def _number(word: float | str) -> float | str:
         return word
 
 
-def _places(name: str, variables: Mapping[str, Any]) -> tuple[Any, int | None]:
+def _variable_and_element(name: str, variables: Mapping[str, Any]) -> tuple[Any, int | None]:
     """Return the variable of a heading, and the index of an array element or None.
 
     Raises:
@@ -207,7 +205,7 @@ def _split_heading(heading: str, variables: Mapping[str, Any]) -> tuple[str, str
 def _column(heading: str, cells: Sequence[str], variables: Mapping[str, Any]) -> Column:
     """Convert cells to a column in the unit of its variable."""
     name, unit = _split_heading(heading, variables)
-    variable, element = _places(name, variables)
+    variable, element = _variable_and_element(name, variables)
     own_unit = variable.unit or "1"
     try:
         factor = 1.0 if unit is None else factor_between(unit, own_unit)

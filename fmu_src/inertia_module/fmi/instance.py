@@ -31,6 +31,8 @@ WARNING, DISCARD = 1, 2
 TERMINATED = 3
 # maximum size of an FMU file, bytes
 MAX_FMU_SIZE = 1_000_000_000
+# types of real numbers
+REALS = ("Real", "Float32", "Float64")
 # types whose values are no numbers
 NOT_NUMBERS = ("String", "Binary", "Clock")
 # maximum of an integer; ctypes would truncate a larger one without an error
@@ -150,9 +152,9 @@ def read_description(path: Path, validate: bool = True) -> Any:
         description = read_model_description(unpacked(content), validate=validate)
     except Exception as error:
         raise FmuError(cannot_read(path, error)) from error
-    of_fmi_2 = {name: type_2 for type_2, name in TYPES_3.items()}
+    fmi2_types = {name: type_2 for type_2, name in TYPES_3.items()}
     for variable in description.modelVariables:
-        variable.type = of_fmi_2.get(variable.type, variable.type)
+        variable.type = fmi2_types.get(variable.type, variable.type)
     return description
 
 
@@ -165,15 +167,25 @@ def is_number(variable: Any) -> bool:
     return variable.type not in NOT_NUMBERS and not variable.dimensions
 
 
-def _number_for(variable: Any, value: Any) -> float:
+def items_of(variable: Any) -> Mapping[str, float] | None:
+    """Return the numbers by name of a Boolean or an enumeration; None for other variables.
+
+    Args:
+        variable: variable of fmpy.
+    """
+    if variable.type == "Boolean":
+        return BOOLEANS
+    if variable.type not in REALS and getattr(variable.declaredType, "items", None):
+        return {item.name: float(item.value) for item in variable.declaredType.items}
+    return None
+
+
+def _to_number(variable: Any, value: Any) -> float:
     """Convert a value, a quantity or the name of an item to a number; the FMU checks its range."""
     if variable.type == "Real" and isinstance(value, float):
         return value
-    unit, items, maximum = variable.unit or "1", None, MAX_INTEGER
-    if variable.type == "Boolean":
-        items, maximum = BOOLEANS, 1.0
-    elif variable.type != "Real" and getattr(variable.declaredType, "items", None):
-        items = {item.name: float(item.value) for item in variable.declaredType.items}
+    unit, items = variable.unit or "1", items_of(variable)
+    maximum = 1.0 if variable.type == "Boolean" else MAX_INTEGER
     if variable.type == "Real":
         allowed = allowed_number(unit)
     else:
@@ -382,7 +394,7 @@ class Fmu(Plant, Closing):
         """
         calls: dict[str, dict[int, float]] = {}
         for variable, value in [(self._variable(name), value) for name, value in values.items()]:
-            number = {"Real": float, "Boolean": bool}.get(variable.type, int)(_number_for(variable, value))
+            number = {"Real": float, "Boolean": bool}.get(variable.type, int)(_to_number(variable, value))
             calls.setdefault(variable.type, {})[variable.valueReference] = number
         for kind, numbers in calls.items():
             self._call(f"set{kind}", list(numbers), list(numbers.values()))
@@ -507,7 +519,7 @@ class Fmu(Plant, Closing):
         return FmuState(self, self._call("getFMUstate"))
 
     def set_state(self, state: FmuState) -> None:
-        """Restore a state of get_state and its time.
+        """Restore a state that get_state has returned, and its time.
 
         Args:
             state: the state.
@@ -523,11 +535,11 @@ class Fmu(Plant, Closing):
 
     def save(self) -> bytes:
         """Return the serialised state of the instance."""
-        present = self.get_state()  # the reference prevents that the FMU frees the state during the call
-        return bytes(self._call("serializeFMUstate", present.state))
+        state = self.get_state()  # the reference keeps the state alive during the call
+        return bytes(self._call("serializeFMUstate", state.state))
 
     def restore(self, saved: bytes, time: float | None = None) -> None:
-        """Restore a state of save.
+        """Restore a state that save has returned.
 
         Args:
             saved: the state.
@@ -561,7 +573,7 @@ class RestartedFmu(Fmu):
         # reading an output makes the native FMU compute its constants, so the stored state contains them
         outputs = (v.name for v in self.variables.values() if v.causality == "output" and is_number(v))
         self.read([*outputs][:1])
-        self._blank = self.get_state()
+        self._uninitialized_state = self.get_state()
 
     def restart(self, values: Mapping[str, float], time: float = 0.0) -> None:
         """Restart the instance.
@@ -571,7 +583,7 @@ class RestartedFmu(Fmu):
             time: time of the restart, s, for messages; the clock of the instance starts at 0.
         """
         self.messages.clear()  # otherwise the messages would accumulate, because a run restarts at every step
-        self.set_state(self._blank)
+        self.set_state(self._uninitialized_state)
         self._epoch = time - self.time
         self.time = time
         self.set(**values)

@@ -65,19 +65,22 @@ def _checked_unit(name: str, variables: Mapping[str, Any], file: str, table: Res
     if variable.causality == "parameter" and variable.variability != "tunable":
         raise TableError(f"{name} is a fixed parameter of {file}. Set it with parameters, not as a column.")
     unit = variable.unit or ("1" if name in table.units else "")
-    # raises an error if the unit or the content of the column is invalid
-    table.converted({name: unit}) if unit else table[name]
+    # both raise an error if the column is unreadable, the first one also if its unit is incompatible
+    if unit:
+        table.converted({name: unit})
+    else:
+        table[name]
     return str(unit)
 
 
-def _for_fmu(description: Any, file: str, table: Result) -> tuple[Result, list[str]]:
+def _convert_for_fmu(description: Any, file: str, table: Result) -> tuple[Result, list[str]]:
     """Return a table in the units of an FMU, and the names of its columns that are inputs.
 
     Columns of computed variables are renamed to NAME_measured. In a file, a column that is no input may have
     any name, unit and content: an unusable one is omitted with a warning.
     """
     variables = {variable.name: variable for variable in description.modelVariables}
-    driven = [name for name, v in variables.items() if v.causality in ("input", "parameter")]
+    settable = [name for name, v in variables.items() if v.causality in ("input", "parameter")]
     units: dict[str, str] = {}
     unused: dict[str, TableError] = {}
     origin = table.origin
@@ -85,10 +88,10 @@ def _for_fmu(description: Any, file: str, table: Result) -> tuple[Result, list[s
         try:
             units[name] = _checked_unit(name, variables, file, table)
         except TableError as error:
-            if origin is None or name in driven:
+            if origin is None or name in settable:
                 raise
             unused[name] = error
-    inputs = [name for name in units if name in driven]
+    inputs = [name for name in units if name in settable]
     if unused and not inputs:
         raise next(iter(unused.values()))
     if unused and origin:
@@ -135,13 +138,13 @@ def simulate_fmu(
     Raises:
         FmuError: the FMU rejects a value or a step.
         TableError: the inputs are not a table, not inputs of this FMU, or not within the run.
-        ParameterError: stop_time or step is not positive. FmuError and TableError are subclasses.
+        ParameterError: stop_time or step is not positive, or there are too many steps.
     """
     times = communication_points(stop_time, step)
     path = fmu_file(fmu)
     description = read_description(path)
     outputs = _outputs_of(description) if outputs is None else as_names(outputs)
-    table, names = _for_fmu(description, path.name, input_table(inputs))
+    table, names = _convert_for_fmu(description, path.name, input_table(inputs))
     label = table.origin.path if table.origin else "inputs"
     for text in time_warnings(label, table.time, [table[name] for name in names], stop_time):
         warnings.warn(text, stacklevel=2)

@@ -79,14 +79,14 @@ def span_of(description: Any, settings: Mapping[str, str | float]) -> Span:
         ValueError: a time is no number.
     """
     default, interface = description.defaultExperiment, description.coSimulation
-    named: dict[str, float | None] = {}
+    numbers: dict[str, float | None] = {}
     for name in ("startTime", "stopTime", "stepSize"):
         value = settings.get(name, getattr(default, name, None))
-        named[name] = None if value is None else float(value)
-    start = named["startTime"] or 0.0
-    stop = start + 1.0 if named["stopTime"] is None else named["stopTime"]
+        numbers[name] = None if value is None else float(value)
+    start = numbers["startTime"] or 0.0
+    stop = start + 1.0 if numbers["stopTime"] is None else numbers["stopTime"]
     internal = getattr(interface, "fixedInternalStepSize", None)
-    step = named["stepSize"]
+    step = numbers["stepSize"]
     if step is None:
         step = float(internal) if internal else (stop - start) / STEPS
     is_variable = bool(getattr(interface, "canHandleVariableCommunicationStepSize", True))

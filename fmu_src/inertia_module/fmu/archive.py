@@ -38,7 +38,7 @@ def generation_date() -> str:
     return moment.strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-def filled(
+def render(
     template: Path, values: Mapping[str, Any], write: Callable[[Any], str] | None = None, xml: bool = False
 ) -> str:
     """Return the text of a Jinja template with values.
@@ -60,14 +60,14 @@ def filled(
     return environment.from_string(template.read_text(encoding="utf-8")).render(values)
 
 
-def filled_xml(template: Path, values: Mapping[str, Any]) -> bytes:
+def render_xml(template: Path, values: Mapping[str, Any]) -> bytes:
     """Return the XML file of a Jinja template with values.
 
     Args:
         template: path of the template.
         values: values by name; texts are escaped for XML.
     """
-    return filled(template, values, xml=True).encode()
+    return render(template, values, xml=True).encode()
 
 
 def archive(content: Mapping[str, bytes]) -> bytes:

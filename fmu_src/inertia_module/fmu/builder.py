@@ -12,7 +12,7 @@ from ..common.deprecated import renamed_arguments
 from ..common.errors import ParameterError, unknown
 from ..common.files import cache_folder, ready_made, writable_folder, write_atomically
 from ..compiling import CompilationError
-from ..compiling.targets import TARGETS, Target, here
+from ..compiling.targets import TARGETS, Target, host_target
 from ..interface.models import DRIVEN_SHAFT, INERTIA_MODULE
 from .archive import DESCRIPTION
 from .linking import Progress
@@ -31,18 +31,18 @@ FMUS: tuple[NativeFmu | PythonFmu, ...] = (MODULE_FMU, MODULE3_FMU, PYTHON_FMU, 
 WEB_KERNEL = WebKernel("InertiaModule", INERTIA_MODULE)
 
 
-def content_of(what: NativeFmu | PythonFmu | WebKernel, build: Build | None = None) -> bytes:
+def content_of(file: NativeFmu | PythonFmu | WebKernel, build: Build | None = None) -> bytes:
     """Return the content of a file, from the wheel or built on this machine.
 
     Args:
-        what: the file.
+        file: the file.
         build: the build that contains the file; None for a build of this file only.
 
     Raises:
         CompilationError: the file cannot be compiled for any target.
     """
-    ready = ready_made(what.file_name)
-    return what.content(build or Build()) if ready is None else ready.read_bytes()
+    ready = ready_made(file.file_name)
+    return file.content(build or Build()) if ready is None else ready.read_bytes()
 
 
 def is_current(path: Path, fmu: NativeFmu | PythonFmu, targets: Sequence[Target] = TARGETS) -> bool:
@@ -84,15 +84,15 @@ def build(
     Raises:
         OSError: the folder cannot be written.
     """
-    own = Build(progress, targets)
+    result = Build(progress, targets)
     writable_folder(folder)
-    for what in files:
-        progress(f"building {what.file_name}")
-        content = own.attempt(what.file_name, content_of, what, own)
+    for file in files:
+        progress(f"building {file.file_name}")
+        content = result.attempt(file.file_name, content_of, file, result)
         if content is not None:
-            write_atomically(folder / what.file_name, content)
-            own.paths.append(folder / what.file_name)
-    return own
+            write_atomically(folder / file.file_name, content)
+            result.paths.append(folder / file.file_name)
+    return result
 
 
 @renamed_arguments(fmu="name")
@@ -122,7 +122,7 @@ def current_fmu(
     if ready is not None:
         return ready
     try:
-        targets = [target for target in TARGETS if target.folder == here().folder]
+        targets = [target for target in TARGETS if target.folder == host_target().folder]
         path = (folder or cache_folder() / "fmus" / fmu.guid().strip("{}")) / fmu.file_name
     except CompilationError as reason:
         raise CompilationError(f"cannot build {fmu.file_name}: {reason}") from None

@@ -50,6 +50,6 @@ def component(model: Model, guid: str) -> bytes:
         model: model of the kernel.
         guid: GUID in modelDescription.xml.
     """
-    own = module(model, guid)
+    core_module = module(model, guid)
     world = (FOLDER / "world.wasm").read_bytes()
-    return world.replace(EMPTY_MODULE, b"\x01" + length(len(own)) + own, 1)
+    return world.replace(EMPTY_MODULE, b"\x01" + length(len(core_module)) + core_module, 1)

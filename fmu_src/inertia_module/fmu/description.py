@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from .. import __version__
 from ..interface import variables as table
 from ..interface.models import Model
-from .archive import TEMPLATES, filled_xml
+from .archive import TEMPLATES, render_xml
 
 # names of types in FMI 3.0, if they differ from FMI 2.0
 TYPES_3 = {table.REAL: "Float64", table.INTEGER: "Int32"}
@@ -17,7 +17,7 @@ INITIAL = {table.PARAMETER: "exact", table.OUTPUT: "calculated", table.LOCAL: "c
 FLANGE = "flange"
 # coordinates in the icon of docs/make_icons.py: height of the central axis, half the size of a flange,
 # distance between two flanges
-AXIS, HALF, APART = -18, 8, 40
+AXIS, HALF, SPACING = -18, 8, 40
 
 
 def _number(value: float) -> str:
@@ -63,10 +63,10 @@ def model_description(
     # the model structure contains places in the list, from 1, in FMI 2.0 and value references in FMI 3.0
     places = {variable.name: n for n, variable in enumerate(variables, 1)}
     numbers = places if fmi == 2 else {variable.name: variable.reference for variable in variables}
-    causes = [v.name for v in model.with_causality(table.INPUT, table.PARAMETER) if not v.idle]
+    relevant_names = [v.name for v in model.with_causality(table.INPUT, table.PARAMETER) if not v.idle]
     at_start = {}
     for output in model.with_causality(table.OUTPUT):
-        names = causes if output.at_start is None else output.at_start
+        names = relevant_names if output.at_start is None else output.at_start
         at_start[output.name] = " ".join(str(number) for name, number in numbers.items() if name in names)
     units, types = ({getattr(v, name) for v in variables} for name in ("unit", "enumeration"))
     tolerance = model.by_name["tolerance"].start if "tolerance" in model.by_name else None
@@ -80,7 +80,7 @@ def model_description(
         "types": {name: items for name, items in table.ENUMERATIONS.items() if name in types},
         "display_units": table.DISPLAY_UNITS,
     }
-    return filled_xml(TEMPLATES / "modelDescription.xml", values)
+    return render_xml(TEMPLATES / "modelDescription.xml", values)
 
 
 def terminals(model: Model) -> bytes:
@@ -93,5 +93,5 @@ def terminals(model: Model) -> bytes:
     Args:
         model: the model.
     """
-    values = {"axis": AXIS, "half": HALF, "apart": APART, "icon": FLANGE, "terminals": model.terminals}
-    return filled_xml(TEMPLATES / "terminalsAndIcons.xml", values)
+    values = {"axis": AXIS, "half": HALF, "spacing": SPACING, "icon": FLANGE, "terminals": model.terminals}
+    return render_xml(TEMPLATES / "terminalsAndIcons.xml", values)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from .. import __version__
 from ..interface import variables as table
 from ..interface.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
-from .archive import TEMPLATES, filled
+from .archive import TEMPLATES, render
 
 # sections of the guides
 PICTURE, WORKING, COUPLING = "Picture", "How it works", "Coupling"
@@ -89,13 +89,15 @@ def _cells(variable: table.Variable) -> tuple[str, ...]:
     if variable.kind == "Boolean":
         start = "true" if variable.start else "false"
     if variable.kind == table.ENUMERATION:
-        listed = ", ".join(f"{number} {name}" for name, number, _ in table.ENUMERATIONS[variable.enumeration])
+        allowed = ", ".join(
+            f"{number} {name}" for name, number, _ in table.ENUMERATIONS[variable.enumeration]
+        )
     else:
-        listed = variable.allowed if settable else ""
+        allowed = variable.allowed if settable else ""
     notes = [] if variable.variability in USUAL else [variable.variability]
     notes += [] if variable.nominal is None else [f"nominal {variable.nominal:g}"]
     meaning = variable.description + (f" ({', '.join(notes)})" if notes else "")
-    return variable.name, variable.unit, start, listed, meaning
+    return variable.name, variable.unit, start, allowed, meaning
 
 
 def _table(heading: str, variables: Iterable[table.Variable]) -> Table:
@@ -138,7 +140,7 @@ def variables_page() -> str:
 
     values = {"models": (INERTIA_MODULE, DRIVEN_SHAFT), "chapters": chapters, "guide": guide}
     values |= {"invalid_input": guide("all")[INVALID_INPUT], "WORKING": WORKING}
-    return filled(TEMPLATES / "variables.md", values).rstrip("\n") + "\n"
+    return render(TEMPLATES / "variables.md", values).rstrip("\n") + "\n"
 
 
 def index_page(model: Model, licences: Iterable[str]) -> str:
@@ -148,13 +150,13 @@ def index_page(model: Model, licences: Iterable[str]) -> str:
         model: the model.
         licences: names of the licences.
     """
-    own, common = guide(model.name), guide("all")
-    sections = [(heading, own[heading]) for heading in (WORKING, COUPLING)]
+    specific, common = guide(model.name), guide("all")
+    sections = [(heading, specific[heading]) for heading in (WORKING, COUPLING)]
     sections += [(heading, common[heading]) for heading in (ORDER, INVALID_INPUT)]
     values = {
-        **{"model": model, "caption": own[PICTURE], "picture": MECHANISM, "version": __version__},
+        **{"model": model, "caption": specific[PICTURE], "picture": MECHANISM, "version": __version__},
         **{"blocks": blocks, "inline": inline, "licences": list(licences)},
-        "sections": [*sections, (LIMITS, own[LIMITS])],
+        "sections": [*sections, (LIMITS, specific[LIMITS])],
         "chapters": [("Flanges", [flanges(model)]), *tables(model)],
     }
-    return filled(TEMPLATES / "index.html", values)
+    return render(TEMPLATES / "index.html", values)

@@ -9,13 +9,13 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from .. import __version__
-from ..common.files import kept, sources
+from ..common.files import cached, sources
 from ..compiling import CompilationError
 from ..compiling.c_compiler import link
 from ..compiling.targets import Target
 from ..compiling.tools import tool_versions
 from ..interface.models import Model
-from .archive import TEMPLATES, filled
+from .archive import TEMPLATES, render
 from .tables import generated
 
 # function that is called at the beginning of each stage of a build, with its description
@@ -84,32 +84,34 @@ def version_file(target: Target, library: str, title: str) -> dict[str, bytes]:
         return {}
     numbers = ",".join([*re.findall(r"\d+", __version__), "0", "0", "0"][:4])
     values = {"numbers": numbers, "title": title, "version": __version__, "library": library}
-    return {"version.rc": filled(TEMPLATES / "version.rc", values).encode()}
+    return {"version.rc": render(TEMPLATES / "version.rc", values).encode()}
 
 
-def link_front(target: Target, behind: str) -> bytes:
+def link_front(target: Target, original: str) -> bytes:
     """Return the front library, which checks calls and passes them on to pythonfmu's library.
 
     The cache stores the result.
 
     Args:
         target: the platform.
-        behind: name of pythonfmu's library.
+        original: name of pythonfmu's library.
     """
     files = sources("fmu/front/*", "compiling/windows.c")
-    made_from = files | sources("__init__.py", "fmu/linking.py", "fmu/templates/version.rc")
-    made_from |= sources("compiling/c_compiler.py", "compiling/tools.py") | tool_versions("ziglang", "fmpy")
-    made_from[behind] = target.label.encode()
+    hashed_parts = files | sources("__init__.py", "fmu/linking.py", "fmu/templates/version.rc")
+    hashed_parts |= sources("compiling/c_compiler.py", "compiling/tools.py") | tool_versions(
+        "ziglang", "fmpy"
+    )
+    hashed_parts[original] = target.label.encode()
 
     def linked() -> bytes:
         content = {Path(path).name: text for path, text in files.items()}
         content |= version_file(target, "front.dll", "Wrapper library of pythonfmu")
-        flags = ("-std=c11", "-isystem", str(header_folder()), f'-DPYTHONFMU="{behind}"')
+        flags = ("-std=c11", "-isystem", str(header_folder()), f'-DPYTHONFMU="{original}"')
         windows = {"kernel32.dll": WINDOWS_FUNCTIONS}
         needed = target._replace(libraries=("-ldl",))
         return link(needed, f"front{target.suffix}", content, *flags, imports=windows)
 
-    return kept(f"front-{target.label}{target.suffix}", made_from, linked).read_bytes()
+    return cached(f"front-{target.label}{target.suffix}", hashed_parts, linked).read_bytes()
 
 
 def join_for_mac(libraries: Sequence[tuple[str, bytes]]) -> bytes:

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from .. import __version__
-from ..common.files import kept, sources
+from ..common.files import cached, sources
 from ..compiling import CompilationError
 from ..compiling.c_compiler import dependencies, kernel_source, with_kernel
 from ..compiling.targets import TARGETS, Target
 from ..interface.models import Model
-from .archive import DESCRIPTION, TEMPLATES, archive, filled, filled_xml, generation_date, guid_of
+from .archive import DESCRIPTION, TEMPLATES, archive, generation_date, guid_of, render, render_xml
 from .component import FOLDER, MANIFEST, PLATFORM, component
 from .description import FLANGE, model_description, terminals
 from .documentation import MECHANISM, index_page
@@ -46,18 +46,18 @@ class Build:
     paths: list[Path] = field(default_factory=list)
     skipped: dict[str, str] = field(default_factory=dict)
 
-    def attempt(self, what: str, make: Callable[..., Content], *arguments: Any) -> Content | None:
-        """Return the result of a function; None if it cannot compile, which is noted in skipped.
+    def attempt(self, part: str, make: Callable[..., Content], *arguments: Any) -> Content | None:
+        """Return the result of a function; if it cannot compile, add the reason to skipped and return None.
 
         Args:
-            what: description of the part.
+            part: description of the part that the function makes.
             make: the function.
             arguments: its arguments.
         """
         try:
             return make(*arguments)
         except CompilationError as reason:
-            self.skipped[what] = str(reason)
+            self.skipped[part] = str(reason)
             return None
 
 
@@ -92,13 +92,13 @@ class NativeFmu(NamedTuple):
 
     def guid(self) -> str:
         """Return the GUID, a hash of all sources of the FMU and of the versions of the tools."""
-        made_from = dependencies(self.model)
-        made_from |= sources("fmu/*.py", "fmu/shell/*", "fmu/wasm/*", "fmu/templates/*")
-        made_from |= {path.name: path.read_bytes() for path in header_folder().glob(f"fmi{self.fmi}*.h")}
-        made_from |= accompanying_files(self.model, self.picture, self.fmi)
-        made_from |= {name: text.encode() for name, text in generated(self.model, "", self.fmi).items()}
-        made_from["description"] = model_description(self.model, self.identifier, "", "", self.fmi)
-        return guid_of(made_from)
+        hashed_parts = dependencies(self.model)
+        hashed_parts |= sources("fmu/*.py", "fmu/shell/*", "fmu/wasm/*", "fmu/templates/*")
+        hashed_parts |= {path.name: path.read_bytes() for path in header_folder().glob(f"fmi{self.fmi}*.h")}
+        hashed_parts |= accompanying_files(self.model, self.picture, self.fmi)
+        hashed_parts |= {name: text.encode() for name, text in generated(self.model, "", self.fmi).items()}
+        hashed_parts["description"] = model_description(self.model, self.identifier, "", "", self.fmi)
+        return guid_of(hashed_parts)
 
     def content(self, build: Build) -> bytes:
         """Return the content of the file.
@@ -109,11 +109,11 @@ class NativeFmu(NamedTuple):
         Raises:
             CompilationError: the FMU cannot be compiled for any platform.
         """
-        made_for = self.guid()
+        guid = self.guid()
 
         def compiled_for(target: Target) -> bytes | None:
             what = f"{self.identifier} for {target.label}"
-            return build.attempt(what, library, self, made_for, target, build.progress)
+            return build.attempt(what, library, self, guid, target, build.progress)
 
         # threads suffice, because the compiler is a separate process
         with ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -127,11 +127,11 @@ class NativeFmu(NamedTuple):
         files = {path: same[0][1] if len(same) == 1 else join_for_mac(same) for path, same in parts.items()}
         if len(build.targets) == len(TARGETS):  # for all platforms: sources and WebAssembly for other ones
             for what, make in (("in C", source_files), (f"for {PLATFORM}", component_files)):
-                added = build.attempt(f"{self.identifier} {what}", make, self, made_for, build.progress)
+                added = build.attempt(f"{self.identifier} {what}", make, self, guid, build.progress)
                 files |= added or {}
         of_standard = {"fmi-ls-wasm": (FOLDER / "LICENSE.txt").read_text()} if MANIFEST in files else {}
         files |= accompanying_files(self.model, self.picture, self.fmi, **of_standard)
-        description = self.identifier, made_for, generation_date(), self.fmi
+        description = self.identifier, guid, generation_date(), self.fmi
         sources = [SOURCE] if f"sources/{SOURCE}" in files else []
         described = model_description(self.model, *description, sources=sources)
         return archive(files | {DESCRIPTION: described})
@@ -151,10 +151,13 @@ def accompanying_files(model: Model, picture: str, fmi: int, **licences: str) ->
         "documentation/index.html": index_page(model, texts).encode(),
         f"documentation/{MECHANISM}": _picture(f"{picture}_named.png"),
         **{f"documentation/licenses/{name}.txt": text.encode() for name, text in texts.items()},
-        METADATA: filled_xml(TEMPLATES / "resourceMetaData.srmd", {"model": model, "version": __version__}),
+        METADATA: render_xml(TEMPLATES / "resourceMetaData.srmd", {"model": model, "version": __version__}),
     }
-    carried = f"fmu/references/{model.name}/"
-    files |= {path.removeprefix(carried): content for path, content in sources(f"{carried}**/*").items()}
+    references_folder = f"fmu/references/{model.name}/"
+    files |= {
+        path.removeprefix(references_folder): content
+        for path, content in sources(f"{references_folder}**/*").items()
+    }
     if fmi == 2:
         return files | {"model.png": _picture(f"{picture}.png")}
     files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals(model)
@@ -187,32 +190,32 @@ def expanded(name: str, files: Mapping[str, bytes], inserted: set[str]) -> Itera
             yield from expanded(include[1], files, inserted)
 
 
-def source_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str, bytes]:
+def source_files(fmu: NativeFmu, guid: str, progress: Progress) -> dict[str, bytes]:
     """Return the FMU in C99, by path in the FMU, for processors without a binary.
 
     The source is one file, so that the compiler exports only the functions of FMI.
 
     Args:
         fmu: the FMU.
-        made_for: GUID of the FMU.
+        guid: GUID of the FMU.
         progress: not used; all functions of a build have this argument.
     """
-    files = {"kernel.c": kernel_source(fmu.model)} | shell_files(fmu.model, made_for, fmu.fmi)
+    files = {"kernel.c": kernel_source(fmu.model)} | shell_files(fmu.model, guid, fmu.fmi)
     included = [name for name in files if name.endswith(".c")]
-    files[SOURCE] = filled(TEMPLATES / SOURCE, {"model": fmu.model, "files": included}).encode()
+    files[SOURCE] = render(TEMPLATES / SOURCE, {"model": fmu.model, "files": included}).encode()
     made = {SOURCE: "\n".join([*expanded(SOURCE, files, set()), ""]).encode()}
     if fmu.fmi == 3:
         values = {"identifier": fmu.identifier, "source": SOURCE}
-        made["buildDescription.xml"] = filled_xml(TEMPLATES / "buildDescription.xml", values)
+        made["buildDescription.xml"] = render_xml(TEMPLATES / "buildDescription.xml", values)
     return {f"sources/{name}": content for name, content in made.items()}
 
 
-def component_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[str, bytes]:
+def component_files(fmu: NativeFmu, guid: str, progress: Progress) -> dict[str, bytes]:
     """Return the WebAssembly component and its manifest by path in the FMU; empty for FMI 2.0.
 
     Args:
         fmu: the FMU.
-        made_for: GUID of the FMU.
+        guid: GUID of the FMU.
         progress: function that is called at the beginning of the compilation.
     """
     if fmu.fmi == 2:
@@ -220,19 +223,19 @@ def component_files(fmu: NativeFmu, made_for: str, progress: Progress) -> dict[s
 
     def compiled() -> bytes:
         progress(f"compiling {fmu.identifier} for {PLATFORM}")
-        return component(fmu.model, made_for)
+        return component(fmu.model, guid)
 
-    content = kept(f"{fmu.identifier}-{PLATFORM}.wasm", {"guid": made_for.encode()}, compiled).read_bytes()
+    content = cached(f"{fmu.identifier}-{PLATFORM}.wasm", {"guid": guid.encode()}, compiled).read_bytes()
     manifest = (FOLDER / "manifest.xml").read_bytes()
     return {f"binaries/{PLATFORM}/{fmu.identifier}.wasm": content, MANIFEST: manifest}
 
 
-def library(fmu: NativeFmu, made_for: str, target: Target, progress: Progress) -> bytes:
+def library(fmu: NativeFmu, guid: str, target: Target, progress: Progress) -> bytes:
     """Return the shared library for a target; the cache stores it.
 
     Args:
         fmu: the FMU.
-        made_for: GUID of the FMU.
+        guid: GUID of the FMU.
         target: the platform.
         progress: function that is called at the beginning of the compilation.
     """
@@ -240,8 +243,8 @@ def library(fmu: NativeFmu, made_for: str, target: Target, progress: Progress) -
 
     def linked() -> bytes:
         progress(f"compiling {fmu.identifier} for {target.label}")
-        content = shell_files(fmu.model, made_for, fmu.fmi) | version_file(target, file, fmu.model.title)
+        content = shell_files(fmu.model, guid, fmu.fmi) | version_file(target, file, fmu.model.title)
         return with_kernel(fmu.model, target, file, content, "-isystem", str(header_folder()))
 
     name = f"{fmu.identifier}-{target.label}{target.suffix}"
-    return kept(name, {"guid": made_for.encode()}, linked).read_bytes()
+    return cached(name, {"guid": guid.encode()}, linked).read_bytes()

@@ -34,7 +34,7 @@ BUNDLED = (
 )
 
 # name of pythonfmu's library; the front library has the name that an importer loads
-BEHIND = "pythonfmu-export"
+ORIGINAL_LIBRARY = "pythonfmu-export"
 # platforms of pythonfmu's libraries
 PLATFORMS = (LINUX64, WIN64)
 
@@ -125,7 +125,7 @@ def libraries(fmu: PythonFmu, build: Build) -> tuple[dict[str, bytes], dict[str,
             f"wrapper library of {what} (see docs/reference/fmu.md)",
             link_front,
             target,
-            f"{BEHIND}{target.suffix}",
+            f"{ORIGINAL_LIBRARY}{target.suffix}",
         )
         if kernel is not None:
             kernels[f"{SHIPPED.name}/{target.folder}{target.suffix}"] = kernel
@@ -134,7 +134,7 @@ def libraries(fmu: PythonFmu, build: Build) -> tuple[dict[str, bytes], dict[str,
     return kernels, fronts
 
 
-def _packed(fmu: PythonFmu, package: dict[str, bytes], in_front: dict[str, bytes]) -> dict[str, bytes]:
+def _packed(fmu: PythonFmu, package: dict[str, bytes], fronts: dict[str, bytes]) -> dict[str, bytes]:
     """Return the files for pythonfmu's loader by path in the FMU: script, package and libraries."""
     folder, label = Path(pythonfmu.__file__).parent, content_hash(package)[:12]
     script, name = f"{fmu.identifier}_{label}", f"inertia_module_{label}"
@@ -144,10 +144,12 @@ def _packed(fmu: PythonFmu, package: dict[str, bytes], in_front: dict[str, bytes
         f"{script}.py": SCRIPT.format(package=name, identifier=fmu.identifier).encode(),
         "slavemodule.txt": script.encode(),
     }
-    files = in_front | {f"resources/{path}": content for path, content in resources.items()}
+    files = fronts | {f"resources/{path}": content for path, content in resources.items()}
     for path in (folder / "resources" / "binaries").glob("*/*pythonfmu-export.*"):
         place = f"binaries/{path.parent.name}/{fmu.identifier}{path.suffix}"
-        files[place.replace(fmu.identifier, BEHIND) if place in in_front else place] = path.read_bytes()
+        files[place.replace(fmu.identifier, ORIGINAL_LIBRARY) if place in fronts else place] = (
+            path.read_bytes()
+        )
     return files
 
 
@@ -165,8 +167,8 @@ def _description(fmu: PythonFmu, guid: str, date: str) -> bytes:
 
 
 def _guid(fmu: PythonFmu, files: Mapping[str, bytes]) -> str:
-    made_from = (
+    hashed_parts = (
         dict(files) | _accompanying_files(fmu) | sources("fmu/python_fmu.py") | tool_versions("pythonfmu")
     )
-    made_from["description"] = _description(fmu, "", "")
-    return guid_of(made_from)
+    hashed_parts["description"] = _description(fmu, "", "")
+    return guid_of(hashed_parts)

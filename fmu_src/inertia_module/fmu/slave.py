@@ -18,17 +18,17 @@ from pythonfmu.enums import Fmi2Status
 from ..common.errors import InertiaModuleError, ParameterError, must_be
 from ..interface.variables import BOOLEAN, INPUT, PARAMETER, REAL, Variable
 from ..kernel import codes
-from ..model import NO_STATE, ModelInstance, Module
+from ..model import INVALID_STATE, ModelInstance, Module
 
 INSTANTIATED = "instantiated"
 INITIALIZING = "in initialization mode"
 STEPPING = "initialized"
-REFUSED = "in error since initialization"
+FAILED = "in error since initialization"
 TERMINATED = "terminated"
 
-_PHASES = (INSTANTIATED, INITIALIZING, STEPPING, REFUSED, TERMINATED)
+_PHASES = (INSTANTIATED, INITIALIZING, STEPPING, FAILED, TERMINATED)
 # bytes before the state of the model: phase, tolerance and stop time
-HEAD_SIZE = 17
+HEADER_SIZE = 17
 # a step may exceed the stop time by this share of the stop time, or of a second, as in shell/stepping.c
 STOP_TIME_RTOL = 1e-5
 
@@ -63,7 +63,7 @@ def guarded(callback: Callable[..., None]) -> Callable[..., bool]:
         except RecoverableError as error:
             slave.log_message(str(error), error.status)
         except Exception as error:
-            slave.phase = REFUSED
+            slave.phase = FAILED
             internal = (
                 "" if isinstance(error, InertiaModuleError) else f"internal error: {type(error).__name__}: "
             )
@@ -80,7 +80,7 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
         kwargs: arguments of Fmi2Slave.
 
     Attributes:
-        phase: phase of the instance: INSTANTIATED, INITIALIZING, STEPPING, REFUSED or TERMINATED.
+        phase: phase of the instance: INSTANTIATED, INITIALIZING, STEPPING, FAILED or TERMINATED.
     """
 
     instance_type: ClassVar[type[ModelInstance]]
@@ -314,21 +314,21 @@ class PythonSlave(Fmi2Slave):  # type: ignore[misc]
 
     def _get_fmu_state(self) -> bytes:
         tolerance = math.nan if self._tolerance is None else self._tolerance
-        head = bytes([_PHASES.index(self.phase)]) + array("d", [tolerance, self._stop_time]).tobytes()
-        return head + self._instance.save()
+        header = bytes([_PHASES.index(self.phase)]) + array("d", [tolerance, self._stop_time]).tobytes()
+        return header + self._instance.save()
 
     @guarded
     def _set_fmu_state(self, state: bytes) -> None:
         try:
-            if len(state) < HEAD_SIZE or state[0] >= len(_PHASES):
-                raise ParameterError(NO_STATE)
+            if len(state) < HEADER_SIZE or state[0] >= len(_PHASES):
+                raise ParameterError(INVALID_STATE)
             phase = _PHASES[state[0]]
-            self._instance.restore(state[HEAD_SIZE:], must_be_started=phase in (STEPPING, TERMINATED))
+            self._instance.restore(state[HEADER_SIZE:], must_be_started=phase in (STEPPING, TERMINATED))
         except Exception as error:
             raise RecoverableError(
-                str(error) if isinstance(error, InertiaModuleError) else f"{NO_STATE}: {error}"
+                str(error) if isinstance(error, InertiaModuleError) else f"{INVALID_STATE}: {error}"
             ) from None
-        tolerance, self._stop_time = array("d", state[1:HEAD_SIZE])
+        tolerance, self._stop_time = array("d", state[1:HEADER_SIZE])
         self._tolerance = None if math.isnan(tolerance) else tolerance
         self.phase, self._calculated = phase, False
 

@@ -10,7 +10,7 @@ from ..interface.models import Model
 from ..interface.records import place
 from ..interface.variables import INPUT, PARAMETER, Variable
 from ..kernel import codes
-from .archive import TEMPLATES, filled
+from .archive import TEMPLATES, render
 
 # fields of the state: length of the last step, and a flag for a stop at a switching event
 SWITCH_FIELDS = ("length", "switching")
@@ -100,6 +100,6 @@ def generated(model: Model, guid: str, fmi: int) -> dict[str, str]:
         "tolerance": model.place("tolerance") if "tolerance" in model.by_name else -1,
     }
     return {
-        "tables.c": filled(TEMPLATES / "tables.c", values),
+        "tables.c": render(TEMPLATES / "tables.c", values),
         "codes.h": f"/* Made from kernel/codes.py. */\n{header}",
     }

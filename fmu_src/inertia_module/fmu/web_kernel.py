@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..common.files import kept, sources
+from ..common.files import cached, sources
 from ..compiling.c_compiler import dependencies, link, object_file
 from ..compiling.targets import BROWSERS
 from ..interface.models import Model
@@ -47,4 +47,4 @@ class WebKernel(NamedTuple):
             kernel = {"kernel.o": object_file(self.model, BROWSERS)}
             return link(BROWSERS, "kernel.wasm", kernel, *exported, f"-Wl,--max-memory={MEMORY}")
 
-        return kept(self.file_name, depends_on, linked).read_bytes()
+        return cached(self.file_name, depends_on, linked).read_bytes()

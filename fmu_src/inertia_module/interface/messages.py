@@ -15,11 +15,11 @@ from ..kernel.inputs import MIN_STEP
 from .variables import INPUT, LARGEST_STEP, VARIABLES, Group, Variable, with_causality
 
 _STEPS = f"between {MIN_STEP:g} and {LARGEST_STEP:g} s"
-_ABANDONED = "communication step = {step} s is rejected: "
+_REJECTED_STEP = "communication step = {step} s is rejected: "
 
 
-def named(*names: str) -> str:
-    """Return a text of names and placeholders for their values, separated by commas.
+def with_values(*names: str) -> str:
+    """Return names with placeholders for their values, separated by commas: "a = {a}, b = {b}".
 
     Args:
         names: names of parameters or inputs.
@@ -27,7 +27,7 @@ def named(*names: str) -> str:
     return ", ".join(f"{name} = {{{name}}}" for name in names)
 
 
-def of_inputs(table: Iterable[Variable]) -> dict[int, str]:
+def input_messages(table: Iterable[Variable]) -> dict[int, str]:
     """Return the messages for inputs, rates and steps out of range and for an overflow, by status.
 
     Args:
@@ -40,7 +40,7 @@ def of_inputs(table: Iterable[Variable]) -> dict[int, str]:
         messages[codes.BAD_INPUT + n] = must_be(name, allowed, f"{{{name}}}")
         messages[codes.BAD_RATE + n] = (
             f"the rate of {name} must keep {name} {allowed} over {{step}} s (got {{{name}_rate}}"
-            f" {variable.unit}/s from {named(name)})"
+            f" {variable.unit}/s from {with_values(name)})"
         )
     speed = inputs[0]
     messages[codes.BAD_HOLD] = (
@@ -48,9 +48,9 @@ def of_inputs(table: Iterable[Variable]) -> dict[int, str]:
         f" {{{speed.name}}}). The extrapolation of its change in a far shorter step leaves this range. Use"
         " steps of similar length, or input_hold = zero_order."
     )
-    *others, last = (f"{named(variable.name)} {variable.unit}" for variable in inputs)
+    *others, last = (f"{with_values(variable.name)} {variable.unit}" for variable in inputs)
     messages[codes.NOT_FINITE] = (
-        f"{_ABANDONED}numerical overflow (magnitude above 1e300) with {', '.join(others)} and {last}"
+        f"{_REJECTED_STEP}numerical overflow (magnitude above 1e300) with {', '.join(others)} and {last}"
     )
     return messages
 
@@ -79,24 +79,24 @@ MESSAGES: Mapping[int, str] = {
         " (kinematic), 2 (rigid) or 3 (elastic)."
     ),
     codes.SELF_LOCKING: (
-        f"mesh_efficiency and satellite_mesh_efficiency must be higher with {named(*_LINK_INERTIAS)}"
+        f"mesh_efficiency and satellite_mesh_efficiency must be higher with {with_values(*_LINK_INERTIAS)}"
         " (got {mesh_efficiency} and {satellite_mesh_efficiency}). The gear meshes are self-locking."
         " Increase the efficiencies or these inertias."
     ),
     codes.SINGULAR: (
         "link2_inertia must be above 1e-12 of the maximum inertia at link 2 with"
-        f" {named('drive_inertia', 'a', 'b', 'eccentricity', 'imbalance_mass')} (got {{link2_inertia}})."
-        " The inertia at link 2 vanishes where the unbalanced mass is at rest relative to the carrier (a = b"
-        " or eccentricity = 0). Alternatively set drive_inertia or satellite_inertia above 0, or use"
-        " different values for a and b."
+        f" {with_values('drive_inertia', 'a', 'b', 'eccentricity', 'imbalance_mass')}"
+        " (got {link2_inertia}). The inertia at link 2 vanishes where the unbalanced mass is at rest relative"
+        " to the carrier (a = b or eccentricity = 0). Alternatively set drive_inertia or satellite_inertia"
+        " above 0, or use different values for a and b."
     ),
     codes.BAD_START_HOUSING: "omega2_start must be at least 0 with a housing freewheel (got {omega2_start})",
     codes.BAD_START_OUTPUT: (
-        f"omega_out_start must be at least {named('omega2_start')} with an output freewheel (got"
+        f"omega_out_start must be at least {with_values('omega2_start')} with an output freewheel (got"
         " {omega_out_start})"
     ),
     codes.BAD_START_RIGID: (
-        f"omega_out_start must be equal to {named('omega2_start')} without an output freewheel (got"
+        f"omega_out_start must be equal to {with_values('omega2_start')} without an output freewheel (got"
         " {omega_out_start})"
     ),
     codes.INPUT_INERTIA_TOO_SMALL: (
@@ -107,25 +107,26 @@ MESSAGES: Mapping[int, str] = {
         "fidelity must be 1 (averaged), 2 (rigid) or 3 (elastic) with drive = torque (got {fidelity},"
         " kinematic). With prescribed motion the input torque is an output."
     ),
-    **of_inputs(VARIABLES),
+    **input_messages(VARIABLES),
     codes.TOO_MANY_SWITCHES: (
-        f"{_ABANDONED}too many freewheel switching events. The maximum is 1000 plus 64 per pulse."
+        f"{_REJECTED_STEP}too many freewheel switching events. The maximum is 1000 plus 64 per pulse."
     ),
     codes.TOO_MUCH_WORK: (
-        f"{_ABANDONED}it requires more than 5e7 right-hand-side evaluations. Use a shorter communication"
+        f"{_REJECTED_STEP}it requires more than 5e7 right-hand-side evaluations. Use a shorter communication"
         " step or increase the parameter tolerance."
     ),
     codes.STEP_TOO_SMALL: (
-        f"{_ABANDONED}no internal step meets {named('tolerance')}. Increase tolerance or link2_inertia."
+        f"{_REJECTED_STEP}no internal step meets {with_values('tolerance')}."
+        " Increase tolerance or link2_inertia."
     ),
     codes.NOT_BALANCED: (
-        f"{_ABANDONED}the energy balance check failed with {named('tolerance', 'max_step')}. Reduce"
+        f"{_REJECTED_STEP}the energy balance check failed with {with_values('tolerance', 'max_step')}. Reduce"
         " the parameter tolerance or max_step."
     ),
     codes.NO_CYCLIC_STEADY_STATE: (
         "fidelity = averaged is rejected: no periodic steady state was found at constant output speed with"
-        f" {named('link2_inertia', 'drive_friction', 'link2_friction')}, {named(*_LOSSES)}. Increase"
-        " link2_inertia or use fidelity = rigid."
+        f" {with_values('link2_inertia', 'drive_friction', 'link2_friction')}, {with_values(*_LOSSES)}."
+        " Increase link2_inertia or use fidelity = rigid."
     ),
     codes.LIGHT_INPUT: (
         "input_inertia must be at least 5 times the largest inertia I of the unbalanced masses with"

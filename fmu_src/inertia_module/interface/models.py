@@ -1,4 +1,4 @@
-"""The models of the package. The module in memory, the FMUs and the documentation are made from them."""
+"""The models of the package: the models in memory, the FMUs and the documentation are made from them."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Model:
 
     Attributes:
         name: name of the native FMU and of saved states.
-        title: name for people.
+        title: name in documentation and figures.
         description: one sentence without its full stop.
         variables: table of the variables.
         time: the variable time of FMI 3.0.
@@ -126,7 +126,7 @@ class Model:
 
     @property
     def switches(self) -> bool:
-        """True if the steps can stop at the switching of a freewheel."""
+        """True for a model with freewheels, whose steps can end at a freewheel switching event."""
         return "switching" in self.records[3]
 
     def place(self, name: str) -> int:
@@ -212,7 +212,7 @@ DRIVEN_SHAFT = Model(
     time=variables.TIME_OF_SHAFT,
     call=shaft.call,
     records=(_P, shaft.CONSTANTS, _U, shaft.STATE, _Y, shaft.WORKSPACE),
-    messages=messages.of_inputs(variables.OF_SHAFT),
+    messages=messages.input_messages(variables.OF_SHAFT),
     traced=("omega_out", "twist"),
     terminals=variables.TERMINALS_OF_SHAFT,
 )

@@ -15,6 +15,7 @@ Field = Any
 
 
 def _member(field: Field) -> tuple[str, Any]:
+    """Return the name and the ctypes type of a field."""
     if isinstance(field, str):
         return field, ctypes.c_double
     name, kind, *count = field
@@ -58,7 +59,7 @@ def record_type(fields: tuple[Field, ...]) -> type[ctypes.Union]:
 
 @functools.cache
 def _counted(fields: tuple[Field, ...]) -> Any:
-    """Return a record in which each double is equal to its place."""
+    """Return a record in which each double is equal to its index."""
     record = record_type(fields)()
     record.numbers[:] = range(len(record.numbers))
     return record

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from ..common.colours import styled
 from ..fidelity.rows import PEER, Row
-from .panels import sheet
+from .panels import new_figure
 
 # label of a cost, and factor to its displayed unit
 _AXES = {
@@ -34,7 +34,7 @@ def work_precision(rows: Sequence[Row], outputs: Sequence[str], title: str) -> F
         if 0.0 < row.max_error(outputs) < math.inf:
             name = row.method.partition(",")[0] if row.fidelity == PEER else row.level
             levels.setdefault(name, []).append(row)
-    figure = sheet(f"{title}: accuracy against run time", height=6.0)
+    figure = new_figure(f"{title}: accuracy against run time", height=6.0)
     panels = figure.subplots(1, 2, sharey=True)
     for axes, (cost, (label, factor)) in zip(panels, _AXES.items(), strict=True):
         for name, level in levels.items():

@@ -17,13 +17,13 @@ from scipy.spatial.transform import Rotation
 from ..common.colours import BLACK, BLUE, GREY, ORANGE, VERMILION, styled
 from ..kernel import layout
 from ..model import Module
-from .panels import Array, sheet
+from .panels import Array, new_figure
 
 MILLIMETRES = 1e3
 # angles of one revolution, rad, and a circle of radius 1 about Ox
 TURN = np.linspace(0.0, math.tau, 181)
 CIRCLE = np.stack([0.0 * TURN, np.sin(TURN), np.cos(TURN)], axis=1)
-# maximum number of planet-shaft revolutions of a path; a period can have a million
+# maximum number of pinion-shaft revolutions of a path; a period can have a million
 MAX_REVOLUTIONS = 20
 # horizontal and vertical axis of a view by its title
 PLANAR = {"view along the central axis, paths relative to link 1": (1, 2)}
@@ -45,7 +45,7 @@ def mechanism_figure(parameters: Mapping[str, float]) -> Figure:
     """
     module = Module("plain")
     module.check(**parameters)
-    figure, d = sheet(height=5.6), module.derived
+    figure, d = new_figure(height=5.6), module.derived
     views, draw = (PLANAR, _draw_planar) if d.planar else (BEVEL, _draw_bevel)
     for axes, (title, view) in zip(
         figure.subplots(1, len(views), squeeze=False)[0], views.items(), strict=True

@@ -1,4 +1,4 @@
-"""Common style of all figures: size, grid, legend, labels with units, smoothed curves."""
+"""Parts of all figures: size, grid, legend, labels with units, smoothed curves."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ SMOOTHING = 1.0
 Array = NDArray[np.float64]
 
 
-def sheet(title: str = "", height: float = SIZE[1], width: float = SIZE[0]) -> Picture:
+def new_figure(title: str = "", height: float = SIZE[1], width: float = SIZE[0]) -> Picture:
     """Make an empty figure with a title.
 
     Args:
@@ -41,7 +41,7 @@ def sheet(title: str = "", height: float = SIZE[1], width: float = SIZE[0]) -> P
     return figure
 
 
-def dress(axes: Axes, label: str) -> None:
+def add_label_and_legend(axes: Axes, label: str) -> None:
     """Add a label and, above the panel, a legend.
 
     Args:
@@ -59,7 +59,7 @@ def dress(axes: Axes, label: str) -> None:
         )
 
 
-def titled(name: str, unit: str) -> str:
+def label_with_unit(name: str, unit: str) -> str:
     """Return the label of a key or metric, with its unit.
 
     Args:

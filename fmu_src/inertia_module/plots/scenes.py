@@ -18,7 +18,7 @@ from ..interface.variables import LOSSES, LOST_TO
 from ..scene import Scene, SceneResult
 from ..scene.summary_metrics import forces
 from ..scene.vehicle_metrics import TIME_TO, work
-from .panels import SIZE, SMOOTHING, Array, dress, envelope, headline, sheet, smooth
+from .panels import SIZE, SMOOTHING, Array, add_label_and_legend, envelope, headline, new_figure, smooth
 
 # function that draws a table from a row; from row 0 it draws the whole run, else a close-up
 Panel = Callable[[Axes, Result, int], None]
@@ -37,7 +37,7 @@ MAX_WINDOW_FRACTION = 1.0 / 8.0
 # additional column: stored energy minus its initial value
 GAIN = "energy_stored_gain"
 # label, colour and line style of columns
-LOOKS = {
+CURVE_STYLES = {
     "omega1": ("input ω1", BLACK, "-"),
     "input_speed": ("input ω1", BLACK, "-"),
     "omega2": ("link 2 ω2", SKY, "-"),
@@ -65,11 +65,11 @@ LOOKS = {
     "twist": ("twist", PURPLE, "-"),
 }
 for _name, _colour in zip(LOSSES, (VERMILION, ORANGE, PURPLE, SKY, BLUE, VERMILION), strict=True):
-    LOOKS[_name] = (_name.removeprefix(LOST_TO).replace("_", " "), _colour, "-")
+    CURVE_STYLES[_name] = (_name.removeprefix(LOST_TO).replace("_", " "), _colour, "-")
 FORCES = ("satellite_force", "shaking_force")
 FLOWS = ("energy_in", "energy_out", "energy_lost")
 # columns that oscillate with the pulses
-INSTANTS = ("omega2", *FORCES, "imbalance_acceleration")
+OSCILLATING = ("omega2", *FORCES, "imbalance_acceleration")
 # units with prefix k for large values
 LARGE = ("J", "W", "N", "m/s²")
 
@@ -86,7 +86,7 @@ def scene_figure(result: SceneResult, rows: int | None = None) -> Figure:
         A matplotlib Figure of 1200 x 900 pixels, higher with more than four panels; save it with
         figure.savefig(path).
     """
-    figure, scene = sheet(result.scene.title), result.scene
+    figure, scene = new_figure(result.scene.title), result.scene
     gain = result["energy_stored"] - result["energy_stored"][0]
     table = Result(result.columns | forces(result) | {GAIN: gain}, result.units)
     if "hub_speed" in table:
@@ -101,7 +101,7 @@ def scene_figure(result: SceneResult, rows: int | None = None) -> Figure:
 def plot(
     axes: Axes, table: Result, names: Iterable[str], quantity: str, unit: str, first: int = 0, **labels: str
 ) -> None:
-    """Draw columns in the style of LOOKS and dress the panel; missing columns are skipped.
+    """Draw columns in their CURVE_STYLES with label and legend; missing columns are skipped.
 
     Large values are in thousands. Columns that oscillate with the pulses are bands from minimum to maximum if
     there are many pulses, and dots if the rows are coarse.
@@ -113,22 +113,22 @@ def plot(
         quantity: Quantity of the columns, for the label.
         unit: Unit of the columns.
         first: First row.
-        labels: Labels of columns by name, instead of the labels in LOOKS.
+        labels: Labels of columns by name, instead of the labels in CURVE_STYLES.
     """
     columns = [name for name in names if name in table]
-    factor, unit = in_thousands(unit, *(table[name] for name in columns))
+    factor, unit = display_scale(unit, *(table[name] for name in columns))
     time = table.time[first:]
     for name in columns:
-        label, colour, line = LOOKS[name]
+        label, colour, line = CURVE_STYLES[name]
         label, values = labels.get(name, label), table[name][first:] / factor
-        if name in INSTANTS and (bins := range_bins(table, first)):
+        if name in OSCILLATING and (bins := range_bins(table, first)):
             times, low, high = envelope(time, values, bins)
             axes.fill_between(
                 times, low, high, color=colour, alpha=0.4, linewidth=0.5, label=f"{label}, range"
             )
             continue
         look: dict[str, Any] = {"linestyle": line, "linewidth": 1.5}
-        if name in INSTANTS and is_coarse(table):
+        if name in OSCILLATING and is_coarse(table):
             is_fine = len(time) >= MIN_ROWS_PER_PULSE * max(pulse_starts(table, first).size, 1)
             look = {
                 "marker": ".",
@@ -138,10 +138,10 @@ def plot(
             }
             label = f"{label}, instantaneous"
         axes.plot(time, values, color=colour, label=label, **look)
-    dress(axes, f"{quantity} [{unit}]")
+    add_label_and_legend(axes, f"{quantity} [{unit}]")
 
 
-def in_thousands(unit: str, *values: Array) -> tuple[float, str]:
+def display_scale(unit: str, *values: Array) -> tuple[float, str]:
     """Return divisor and unit for the display of values, with prefix k for large values.
 
     Args:
@@ -216,7 +216,9 @@ def _pulse_panels(figure: Figure, result: SceneResult, table: Result, rows: int 
     if force_names := [name for name in FORCES if name in forces(table)]:
         draw_functions.append(partial(_magnitudes, names=force_names, quantity="force", unit="N"))
     elif "imbalance_acceleration" in table:
-        draw_functions.append(partial(_magnitudes, names=INSTANTS[-1:], quantity="acceleration", unit="m/s²"))
+        draw_functions.append(
+            partial(_magnitudes, names=OSCILLATING[-1:], quantity="acceleration", unit="m/s²")
+        )
     if causes := losses(table):
         draw_functions += [
             partial(_powers, names=FLOWS, quantity="power"),
@@ -384,11 +386,11 @@ def _energy_shares(axes: Axes, table: Result) -> None:
     parts = {name: part for name, part in parts.items() if part[0].any()}
     # kinetic energy of module and vehicle, and elastic energy of a coupling
     parts["kinetic"] = (table["energy_in"] - sum(energy for energy, _ in parts.values()), PURPLE)
-    factor, unit = in_thousands("J", table["energy_in"])
+    factor, unit = display_scale("J", table["energy_in"])
     shares, colours = zip(*((energy / factor, colour) for energy, colour in parts.values()), strict=True)
     axes.stackplot(table.time, *shares, labels=list(parts), colors=colours, alpha=0.75, linewidth=0)
     axes.plot(table.time, table["energy_in"] / factor, color=BLACK, linewidth=1.5, label="input")
-    dress(axes, f"energy [{unit}]")
+    add_label_and_legend(axes, f"energy [{unit}]")
 
 
 # --- a shaft alone ---

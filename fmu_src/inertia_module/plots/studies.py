@@ -25,12 +25,12 @@ from ..studies.evaluation import Row
 from ..studies.fit_result import FitResult
 from ..studies.order_result import BASES, Orders
 from ..studies.parameter_sweep import SweepResult, varies
-from .panels import SIZE, Array, dress, sheet, titled
+from .panels import SIZE, Array, add_label_and_legend, label_with_unit, new_figure
 
 # --- torque converter charts, one curve per mechanism ---
 
 COLOURS = (VERMILION, BLUE, GREEN, ORANGE, PURPLE, SKY, BLACK)
-LARGEST_TORQUE_RATIO = 6.0
+MAX_TORQUE_RATIO = 6.0
 # efficiencies of the contour lines
 EFFICIENCY_LEVELS = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0)
 # title and label of the panels of a chart; the last two panels require engagements
@@ -69,7 +69,7 @@ def chart_figure(
     at = f"{speed * factor_between('rad/s', speed_unit):.5g} {speed_unit}"
     rows, maps = 2 + has_engagements, maps or {}
     map_rows = -(-len(maps) // 2)
-    figure = sheet(f"Torque converter chart at {at}", 0.5 * (rows + map_rows) * SIZE[1])
+    figure = new_figure(f"Torque converter chart at {at}", 0.5 * (rows + map_rows) * SIZE[1])
     panels = figure.subplots(rows + map_rows, 2).flatten().tolist()
     chart_panels, map_panels = panels[: 2 * rows], panels[2 * rows :]
     for axes, (title, label) in zip(chart_panels, PANELS, strict=False):
@@ -80,7 +80,7 @@ def chart_figure(
     _draw_charts(chart_panels, charts, speed, allowed)
     for axes, (name, steady_map) in zip(map_panels, maps.items(), strict=False):
         axes.set_title(f"efficiency of {name}")
-        _efficiency(axes, steady_map, speed_unit)
+        _draw_efficiency(axes, steady_map, speed_unit)
     if len(maps) % 2:  # the last map fills its row
         map_panels[-1].remove()
         grid = map_panels[-2].get_gridspec()
@@ -118,7 +118,7 @@ def _draw_charts(
         colour = COLOURS[number % len(COLOURS)]
         speed, torque = chart.speed_ratio, chart.output_torque
         # Torque ratio and ripple are drawn only within a limited range.
-        in_range = chart.input_torque * LARGEST_TORQUE_RATIO > torque
+        in_range = chart.input_torque * MAX_TORQUE_RATIO > torque
         has_torque = torque > 1e-3 * max(chart.stall_torque, 1e-300)
         ratio.plot(speed[in_range], torque[in_range] / chart.input_torque[in_range], color=colour, label=name)
         if efficiency is not None:
@@ -137,14 +137,14 @@ def _draw_charts(
                 duty[0].axhline(frequency_factor * allowed[name], color=colour, linestyle=":")
     for axes in panels:
         axes.set_ylim(bottom=0.0)
-    ratio.set_ylim(0.0, LARGEST_TORQUE_RATIO)
+    ratio.set_ylim(0.0, MAX_TORQUE_RATIO)
     for axes in panels[-2:]:
         axes.set_xlabel("speed ratio, output / input")
     if len(charts) > 1:
         ratio.figure.legend(*ratio.get_legend_handles_labels(), loc="outside lower center", ncols=4)
 
 
-def _efficiency(axes: Axes, steady_map: Mapping[str, Array], unit: str) -> None:
+def _draw_efficiency(axes: Axes, steady_map: Mapping[str, Array], unit: str) -> None:
     """Draw lines of equal efficiency over speed ratio and input speed."""
     ratios, efficiency = steady_map["speed_ratio"], steady_map["efficiency"]
     end = max(np.flatnonzero(efficiency.any(axis=0)), default=0) + 1
@@ -166,7 +166,7 @@ USUAL = ("efficiency", "omega_out_final", "output_torque_mean", "input_torque_me
 MAX_METRICS = 3
 
 
-@renamed_arguments(figures="metrics")
+@renamed_arguments(values="metrics")
 @styled()
 def sweep_figure(sweep: SweepResult, metrics: Sequence[str] = ()) -> Figure:
     """Draw a sweep: maps over two keys, otherwise each metric over each key.
@@ -183,37 +183,37 @@ def sweep_figure(sweep: SweepResult, metrics: Sequence[str] = ()) -> Figure:
         candidates = sorted(sweep.metrics, key=lambda name: name not in USUAL)
         names = [name for name in candidates if varies(sweep.metric(name))][:MAX_METRICS]
     rows, columns = max(len(names), 1), 1 if len(sweep.axes) == 2 else len(sweep.axes)
-    picture = sheet(height=1.0 + 2.8 * rows, width=max(9.0, 3.0 * columns))
+    picture = new_figure(height=1.0 + 2.8 * rows, width=max(9.0, 3.0 * columns))
     panels = picture.subplots(rows, columns, sharey="row", squeeze=False)
     for row, name in zip(panels, names, strict=False):
-        values, label = sweep.metric(name), titled(name, sweep.units.get(name, ""))
+        values, label = sweep.metric(name), label_with_unit(name, sweep.units.get(name, ""))
         if len(sweep.axes) == 2:
-            _map(row[0], sweep, values, label)
+            _draw_map(row[0], sweep, values, label)
             continue
         row[0].set_ylabel(label)
         for panel, axis in zip(row, sweep.axes, strict=True):
-            places = _places(sweep, axis)
+            places = _axis_values(sweep, axis)
             order = np.argsort(places, kind="stable")
             panel.plot(places[order], values[order], ".-" if columns == 1 else ".", linewidth=1.2)
-            _scale(panel, sweep, axis, "x")
+            _set_scale(panel, sweep, axis, "x")
     return picture
 
 
-def _places(sweep: SweepResult, axis: Axis) -> NDArray[Any]:
+def _axis_values(sweep: SweepResult, axis: Axis) -> NDArray[Any]:
     """Return the values of the samples on an axis: numbers, or names, which matplotlib spaces equally."""
     return np.array([row.point[axis.name] for row in sweep.rows])
 
 
-def _scale(panel: Axes, sweep: SweepResult, axis: Axis, side: str) -> None:
+def _set_scale(panel: Axes, sweep: SweepResult, axis: Axis, side: str) -> None:
     """Set label and scale of one side, x or y, of a panel for an axis of the sweep."""
-    getattr(panel, f"set_{side}label")(titled(axis.name, sweep.units.get(axis.name, "")))
+    getattr(panel, f"set_{side}label")(label_with_unit(axis.name, sweep.units.get(axis.name, "")))
     if axis.logarithmic:
         getattr(panel, f"set_{side}scale")("log")
 
 
-def _map(panel: Axes, sweep: SweepResult, values: Array, label: str) -> None:
+def _draw_map(panel: Axes, sweep: SweepResult, values: Array, label: str) -> None:
     """Draw a grid as a map, other samples as dots; failed samples stay white."""
-    x, y = (_places(sweep, axis) for axis in sweep.axes)
+    x, y = (_axis_values(sweep, axis) for axis in sweep.axes)
     across, up = np.unique(x), np.unique(y)
     if across.size * up.size == values.size:
         table = np.full((up.size, across.size), np.nan)
@@ -224,7 +224,7 @@ def _map(panel: Axes, sweep: SweepResult, values: Array, label: str) -> None:
         artist = panel.scatter(x, y, c=values, s=14)
     panel.figure.colorbar(artist, ax=panel, label=label)
     for axis, side in zip(sweep.axes, "xy", strict=True):
-        _scale(panel, sweep, axis, side)
+        _set_scale(panel, sweep, axis, side)
 
 
 # --- designs ---
@@ -247,25 +247,27 @@ def design_figure(result: DesignResult) -> Figure:
     names = list(result.judge.spec.goals)
     across, up = (None, names) if len(names) == 1 else (names[0], names[1:])
     table_height = 0.6 + 0.3 * len(result.finalists)
-    picture = sheet(result.judge.spec.title, 1.0 + 5.0 * len(up) + table_height)
+    picture = new_figure(result.judge.spec.title, 1.0 + 5.0 * len(up) + table_height)
     heights = [*(5.0 for _ in up), table_height]
     grid = picture.add_gridspec(len(heights), 2, width_ratios=(3, 1), height_ratios=heights)
     for row, name in enumerate(up):
         front, overview = (picture.add_subplot(grid[row, column]) for column in (0, 1))
-        _goals(front, result, across, name)
+        _draw_goals(front, result, across, name)
         _zoom(front, result, across, name)
-        _goals(overview, result, across, name, markersize=2.0)
+        _draw_goals(overview, result, across, name, markersize=2.0)
         x, y = _coordinates(result, result.rows, across, name)
-        _stretch(overview.set_yscale, overview.yaxis, y)
+        _use_log_scale(overview.set_yscale, overview.yaxis, y)
         if across is not None:
-            _stretch(overview.set_xscale, overview.xaxis, x)
+            _use_log_scale(overview.set_xscale, overview.xaxis, x)
         (left, right), (low, high) = front.get_xlim(), front.get_ylim()
         overview.plot(
             [left, right, right, left, left], [low, low, high, high, low], color=GREY, linewidth=0.8
         )
         overview.set_title("all designs")
-        dress(front, titled(name, result.judge.unit(name)))
-        front.set_xlabel("design number" if across is None else titled(across, result.judge.unit(across)))
+        add_label_and_legend(front, label_with_unit(name, result.judge.unit(name)))
+        front.set_xlabel(
+            "design number" if across is None else label_with_unit(across, result.judge.unit(across))
+        )
     if result.finalists:
         _design_table(picture.add_subplot(grid[-1, :]), result, names)
     return picture
@@ -280,7 +282,9 @@ def _coordinates(
     return np.array(x, dtype=float), np.array([row.metrics.get(up, np.nan) for row in rows], dtype=float)
 
 
-def _goals(panel: Axes, result: DesignResult, across: str | None, up: str, markersize: float = 5.0) -> None:
+def _draw_goals(
+    panel: Axes, result: DesignResult, across: str | None, up: str, markersize: float = 5.0
+) -> None:
     """Draw one goal over another, or over the number of the design."""
     points = partial(_coordinates, result, across=across, up=up)
     margin = result.judge.spec.search.margin
@@ -332,17 +336,17 @@ def _design_table(panel: Axes, result: DesignResult, names: Sequence[str]) -> No
     panel.set_axis_off()
     rows = []
     for finalist in result.finalists:
-        figures = [finalist.checked.metrics.get(name, math.nan) for name in names]
+        values = [finalist.checked.metrics.get(name, math.nan) for name in names]
         limits = "satisfied" if result.judge.meets(finalist.checked) else "violated"
-        rows.append([finalist.file.stem.rpartition("_")[2], *(f"{value:.4g}" for value in figures), limits])
-    heads = ["design", *(titled(name, result.judge.unit(name)) for name in names), "limits"]
-    table = panel.table(rows, colLabels=heads, loc="center", cellLoc="center", edges="horizontal")
+        rows.append([finalist.file.stem.rpartition("_")[2], *(f"{value:.4g}" for value in values), limits])
+    headings = ["design", *(label_with_unit(name, result.judge.unit(name)) for name in names), "limits"]
+    table = panel.table(rows, colLabels=headings, loc="center", cellLoc="center", edges="horizontal")
     table.auto_set_font_size(False)
     table.set_fontsize(10)
     table.scale(1.0, 1.3)
 
 
-def _stretch(set_scale: Callable[[str], None], axis: Any, values: Array) -> None:
+def _use_log_scale(set_scale: Callable[[str], None], axis: Any, values: Array) -> None:
     """Make an axis logarithmic, with plain numbers, because the first designs are far from the best."""
     if (values < 0.0).any():
         set_scale("symlog")
@@ -369,18 +373,18 @@ def fit_figure(result: FitResult) -> Figure:
         result: Result of fit.
     """
     data, table = result.measurement, result.table()
-    figure = sheet(result.scene.title, 1.0 + 4.0 * len(data.columns))
+    figure = new_figure(result.scene.title, 1.0 + 4.0 * len(data.columns))
     panels = figure.subplots(2 * len(data.columns), 1, sharex=True, height_ratios=(2, 1) * len(data.columns))
     for n, name in enumerate(data.columns):
         curves, residuals = panels[2 * n : 2 * n + 2]
         is_used, time = data.counted[:, n], table.time
         curves.plot(time, table[f"{name}_measured"], ".", color=GREY, markersize=4, label="measured")
         curves.plot(time, table[f"{name}_computed"], color=VERMILION, linewidth=1.2, label="computed")
-        dress(curves, titled(name, data.table.units.get(name, "")))
+        add_label_and_legend(curves, label_with_unit(name, data.table.units.get(name, "")))
         normalised = table[f"{name}_residual"] / data.noise.get(name, result.noise[name])
         residuals.axhspan(-BAND_95, BAND_95, color=BLUE, alpha=0.12)
         residuals.plot(time[is_used], normalised[is_used], ".", color=BLUE, markersize=4)
-        dress(residuals, "residual / noise")
+        add_label_and_legend(residuals, "residual / noise")
         residuals.margins(x=0.01)
     panels[-1].set_xlabel("time [s]")
     return figure
@@ -389,7 +393,7 @@ def fit_figure(result: FitResult) -> Figure:
 # --- orders ---
 
 # number of labelled lines in a panel
-NAMED = 3
+N_LABELLED = 3
 # signals share a row if their amplitudes differ by less than this fraction of the maximum
 SAME_RTOL = 0.01
 # a signal without oscillation: amplitudes from this order on are below this fraction of its maximum
@@ -409,14 +413,14 @@ def order_figure(result: Orders, title: str, in_hz: bool = False, speed_unit: st
         speed_unit: Unit of the speed of link 1 in waterfalls over orders.
     """
     rows = _rows_of(result)
-    figure = sheet(title, 1.2 + 2.6 * max(len(rows), 1))
+    figure = new_figure(title, 1.2 + 2.6 * max(len(rows), 1))
     if not rows:
         figure.text(0.5, 0.5, "all signals are constant", ha="center")
         return figure
     panels = figure.subplots(len(rows), 2, sharex="col" if in_hz else "all", squeeze=False)
     for (left, right), (name, label) in zip(panels, rows.items(), strict=True):
-        _spectrum(left, result, name, label)
-        mesh = _waterfall(right, result, name, in_hz, "rpm" if in_hz else speed_unit)
+        _draw_spectrum(left, result, name, label)
+        mesh = _draw_waterfall(right, result, name, in_hz, "rpm" if in_hz else speed_unit)
         if mesh is not None:
             figure.colorbar(mesh, ax=right, label=f"amplitude [{printed_unit(result.units[name])}]")
     for axes, in_order in zip(panels[-1], (True, not in_hz), strict=True):
@@ -439,14 +443,14 @@ def _rows_of(result: Orders) -> dict[str, str]:
             if np.allclose(result.amplitude[other], amplitude, rtol=0.0, atol=SAME_RTOL * maximum)
         )
         labels.setdefault(next(equal_signals, name), []).append(name.replace("_", " "))
-    return {name: titled(", ".join(names), result.units[name]) for name, names in labels.items()}
+    return {name: label_with_unit(", ".join(names), result.units[name]) for name, names in labels.items()}
 
 
-def _spectrum(axes: Axes, result: Orders, name: str, label: str) -> None:
+def _draw_spectrum(axes: Axes, result: Orders, name: str, label: str) -> None:
     """Draw the mean spectrum of a signal and label the orders of its main lines."""
     amplitude = result.amplitude[name]
     axes.plot(result.order, amplitude, color=VERMILION, linewidth=1.2)
-    for line in result.largest(NAMED)[name]:
+    for line in result.largest(N_LABELLED)[name]:
         place = (line.order, float(np.interp(line.order, result.order, amplitude)))
         axes.annotate(
             f"{line.order:.4g}",
@@ -459,10 +463,10 @@ def _spectrum(axes: Axes, result: Orders, name: str, label: str) -> None:
             bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.7},
         )
     axes.set_ylim(0.0, 1.2 * float(amplitude.max()))
-    dress(axes, label)
+    add_label_and_legend(axes, label)
 
 
-def _waterfall(axes: Axes, result: Orders, name: str, in_hz: bool, speed_unit: str) -> Any:
+def _draw_waterfall(axes: Axes, result: Orders, name: str, in_hz: bool, speed_unit: str) -> Any:
     """Draw the amplitudes of a signal in each window; return None if there is only one window."""
     over, label = result.time, "time [s]"
     if result.time.size > 1 and (np.diff(result.speed) > 1e-3 * result.speed[0]).all():

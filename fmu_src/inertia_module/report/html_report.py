@@ -1,7 +1,8 @@
-"""Report of a scene as one HTML file, to send or to print: answer, details, and the command that repeats it.
+"""Report of a scene as one HTML file, to send or to print.
 
-The first page is the answer: checks, main numbers, one figure and the conditions. The results are the results
-of the commands run, chart and orders. A section that is not available for the scene contains the reason.
+The first page contains checks, main numbers, one figure and the conditions. The sections after it contain the
+results of the commands run, chart and orders, and the command that repeats the report. A section that is not
+available for the scene contains the reason.
 """
 
 from __future__ import annotations
@@ -28,19 +29,19 @@ from ..common.errors import InertiaModuleError, ParameterError
 from ..common.files import MAX_TEXT_SIZE, picture_of, read_file
 from ..common.terminal import Progress
 from ..fmi.instance import read_description
-from ..fmu.archive import filled_xml
+from ..fmu.archive import render_xml
 from ..interface.variables import LOST_TO, PARAMETER, Group, with_causality
 from ..kernel.codes import ELASTIC
 from ..plots.mechanism import mechanism_figure
 from ..plots.panels import TITLE_PAD
 from ..plots.scenes import scene_figure
-from ..plots.studies import NAMED, chart_figure, order_figure
+from ..plots.studies import N_LABELLED, chart_figure, order_figure
 from ..scene import Scene, SceneResult
-from ..scene.freewheel_loads import DUTY, FREEWHEELS
+from ..scene.freewheel_loads import DUTY_NOTE, FREEWHEELS
 from ..scene.headings import heading
-from ..scene.keys import in_range, keys_of
+from ..scene.keys import by_dotted_key, in_range
 from ..scene.reading import display_units, speed_unit
-from ..scene.run import start_of
+from ..scene.run import initial_values
 from ..scene.summary_metrics import input_speed
 from ..scene.summary_text import WIDTH, SummaryWriter, three_digits
 from ..scene.vehicle_metrics import TIME_TO
@@ -118,7 +119,7 @@ def report_file(
     result: SceneResult,
     fmu: Path,
     command: str,
-    chosen: Sequence[str] = (),
+    choice_lines: Sequence[str] = (),
     progress: Progress = lambda fraction: None,
 ) -> bytes:
     """Make the report of a run.
@@ -129,7 +130,7 @@ def report_file(
         result: Result of the run; for a module with the variables in RECORDED.
         fmu: FMU file of the run.
         command: Command that repeats the report.
-        chosen: Lines about the choice of the fidelity.
+        choice_lines: Lines about the choice of the fidelity.
         progress: Function called with the completed fraction, 0 to 1.
 
     Returns:
@@ -161,7 +162,7 @@ def report_file(
         if source != "default" and key != "run.outputs"
     ]
     answer = {
-        "checks": _checks(result, writer, chosen),
+        "checks": _checks(result, writer, choice_lines),
         "numbers": _main_numbers(result, writer),
         "picture": _picture(_scene_figure(result, rows=2), height=3.4),
         "inputs": conditions[:MAX_INPUTS],
@@ -178,7 +179,7 @@ def report_file(
             "version": _css_text(f"{file.name}, {day}, {version}"),
         },
     }
-    return filled_xml(TEMPLATE, page)
+    return render_xml(TEMPLATE, page)
 
 
 def _scene_figure(result: SceneResult, rows: int | None = None) -> Figure:
@@ -214,7 +215,7 @@ def _picture(figure: Figure, height: float | None = None, row_height: float = RO
     return f"data:image/png;base64,{base64.b64encode(picture_of(figure, 'png')).decode()}"
 
 
-def _words(name: str) -> str:
+def _with_spaces(name: str) -> str:
     return name.replace("_", " ")
 
 
@@ -228,15 +229,15 @@ def _css_text(text: str) -> str:
 # --- first page ---
 
 
-def _checks(result: SceneResult, writer: SummaryWriter, chosen: Sequence[str]) -> list[Check]:
+def _checks(result: SceneResult, writer: SummaryWriter, choice_lines: Sequence[str]) -> list[Check]:
     """Return the checks of a run: warnings and notes, limits that are met, and the energy balance.
 
     Args:
         result: Result of the run.
         writer: Writer of the summary, for units.
-        chosen: Lines about the choice of the fidelity.
+        choice_lines: Lines about the choice of the fidelity.
     """
-    notes = [f"{heading(name)} {text}" for name, text in result.remarks.items() if name != DUTY]
+    notes = [f"{heading(name)} {text}" for name, text in result.remarks.items() if name != DUTY_NOTE]
     checks = [Check(False, writer.in_display_units(text)) for text in (*result.warnings, *notes)]
     for name, limit in result.limits.items():
         value, unit = result.quantities[name]
@@ -246,7 +247,7 @@ def _checks(result: SceneResult, writer: SummaryWriter, chosen: Sequence[str]) -
     residual = writer.metrics.get("energy_residual_relative")
     if residual is not None:
         checks.append(Check(True, f"energy balance: relative error {abs(residual):.2g}"))
-    return checks + [Check(True, line) for line in chosen]
+    return checks + [Check(True, line) for line in choice_lines]
 
 
 def _main_numbers(result: SceneResult, writer: SummaryWriter) -> list[tuple[str, str]]:
@@ -300,7 +301,7 @@ def _input_sections(scene: Any, text: str, keys: Mapping[str, object]) -> dict[s
         Section of the inputs, then a section of the model's parameters for each group.
     """
     sources = {key: ("scene file", source_value) for key, source_value in _flat(tomllib.loads(text))}
-    sources |= {key: ("--set", source_value) for key, source_value in _flat(keys_of(keys))}
+    sources |= {key: ("--set", source_value) for key, source_value in _flat(by_dotted_key(keys))}
 
     def source(key: str, value_text: str, default: str) -> str:
         """Return the source of a value, with the text in the source if it differs from the value."""
@@ -309,7 +310,7 @@ def _input_sections(scene: Any, text: str, keys: Mapping[str, object]) -> dict[s
         return place if _text_of(source_value) == value_text else f"{place}: {_text_of(source_value)}"
 
     is_module = isinstance(scene, Scene)
-    table, values = ("mechanism", start_of(scene)[0]) if is_module else ("shaft", scene.parameters())
+    table, values = ("mechanism", initial_values(scene)[0]) if is_module else ("shaft", scene.parameters())
     unused_groups = {Group.BEVEL if values.get("layout") else Group.PLANAR}
     unused_groups |= {Group.ELASTIC} if is_module and values.get("fidelity") != ELASTIC else set()
     parameter_keys, rows = set[str](), {group: list[Sequence[str]]() for group in ("", *Group)}
@@ -380,7 +381,7 @@ def _chart(result: SceneResult) -> Part:
     chart = compute_chart(scene.parameters(), omega1, engagements=True)
     limits, units = scene.freewheels.of("indexing_frequency"), chart.units(omega1)
     numbers = chart.summary(omega1, limits).items()
-    rows = [(_words(name), f"{value:.6g} {units[name]}") for name, value in numbers]
+    rows = [(_with_spaces(name), f"{value:.6g} {units[name]}") for name, value in numbers]
     allowed = {"mechanism": min(limits.values()) * math.tau / abs(omega1)} if limits else {}
     figure = chart_figure({"mechanism": chart}, allowed=allowed, omega1=omega1)
     at = f"at the maximum speed of link 1 in the run, {omega1:.5g} rad/s"
@@ -407,8 +408,8 @@ def _orders(result: SceneResult, fmu: Path | None = None, speed_unit: str = "rad
         raise ParameterError("link 1 does not turn")
     begin, end = record.time[moving_rows[0]], record.time[moving_rows[-1] + 1]
     spectra = orders(scene, fmu, record=record, begin=begin, end=end)
-    lines = spectra.lines(NAMED, speed_unit=speed_unit)
-    rows = [(_words(name), *line) for name, texts in lines.items() for line in texts.items()]
+    lines = spectra.lines(N_LABELLED, speed_unit=speed_unit)
+    rows = [(_with_spaces(name), *line) for name, texts in lines.items() for line in texts.items()]
     text = f"Orders in cycles per {BASES[LINK1]}, from {begin:g} s to {end:g} s."
     text += f" They were recorded in steps of {spectra.step * 1e3:.3g} ms."
     picture = _picture(order_figure(spectra, "", speed_unit=speed_unit))
@@ -423,7 +424,7 @@ def _energy(result: SceneResult) -> Part:
         if name.startswith("energy_") or name == "efficiency":
             power = f"{value / time:.4g} W" if unit == "J" else ""
             share = f"{100.0 * value / losses:.3g} %" if name.startswith(LOST_TO) else ""
-            rows.append((_words(name), f"{value:.6g} {unit}", power, share))
+            rows.append((_with_spaces(name), f"{value:.6g} {unit}", power, share))
     texts = [] if losses else ["The mechanism is ideal: no losses."]
     return Part(texts, ("energy", "value", "mean power", "share of the losses"), rows)
 
@@ -431,8 +432,8 @@ def _energy(result: SceneResult) -> Part:
 def _duty(result: SceneResult) -> Part:
     """Return the section of the freewheel duty: engagement frequencies, maximum torque and slip."""
     _module(result)
-    if DUTY in result.remarks:
-        raise ParameterError(f"it {result.remarks[DUTY]}")
+    if DUTY_NOTE in result.remarks:
+        raise ParameterError(f"it {result.remarks[DUTY_NOTE]}")
     lines = result.lines()
     frequencies = ("engagement frequency mean", "engagement frequency maximum")
     rows = [

@@ -21,8 +21,8 @@ from ..interface.variables import LARGEST_SPEED
 from .keys import AngularSpeed, Strict, Tabulated, Times, Torque, checked, quantity
 
 
-def _by_measured(vehicle_unit: str, shaft_unit: str, minimum: float | None = None) -> BeforeValidator:
-    """Make a validator of a quantity whose unit depends on the controlled speed."""
+def _unit_by_load(vehicle_unit: str, shaft_unit: str, minimum: float | None = None) -> BeforeValidator:
+    """Make a validator of a quantity with one unit for a vehicle as load and another for other loads."""
 
     def check(value: Any, info: ValidationInfo) -> Any:
         vehicle = (info.context or {}).get("vehicle")
@@ -39,7 +39,7 @@ class ConstantReference(Strict):
     """
 
     kind: Literal["constant"]
-    speed: Annotated[float, _by_measured("m/s", "rad/s")]
+    speed: Annotated[float, _unit_by_load("m/s", "rad/s")]
 
     def signal(self) -> Signal:
         """Return the reference speed: m/s for a vehicle, else rad/s."""
@@ -60,7 +60,7 @@ class TableReference(Tabulated):
 
     kind: Literal["table"]
     time: Times
-    speed: list[Annotated[float, _by_measured("m/s", "rad/s")]]
+    speed: list[Annotated[float, _unit_by_load("m/s", "rad/s")]]
 
     def driving_cycle(self) -> Cycle | None:
         """Return the table as a driving cycle of a vehicle."""
@@ -125,9 +125,9 @@ class PiController(Strict):
     DRIVE: ClassVar[str] = "controlled"
 
     kind: Literal["pi"]
-    proportional_gain: Annotated[float, _by_measured("rad/m", "1", 0.0)]
-    integral_gain: Annotated[float, _by_measured("rad/m/s", "1/s", 0.0)] = 0.0
-    feedforward: Annotated[float, _by_measured("rad/m", "1")] = 0.0
+    proportional_gain: Annotated[float, _unit_by_load("rad/m", "1", 0.0)]
+    integral_gain: Annotated[float, _unit_by_load("rad/m/s", "1/s", 0.0)] = 0.0
+    feedforward: Annotated[float, _unit_by_load("rad/m", "1")] = 0.0
     minimum: AngularSpeed = 0.0
     maximum: AngularSpeed = LARGEST_SPEED
     reference: Annotated[ConstantReference | TableReference | CycleReference, Field(discriminator="kind")]
@@ -172,9 +172,9 @@ class PiTorqueController(PiController):
     DRIVE: ClassVar[str] = "controlled_torque"
 
     kind: Literal["pi_torque"]  # type: ignore[assignment]
-    proportional_gain: Annotated[float, _by_measured("N.s", "N.m.s/rad", 0.0)]
-    integral_gain: Annotated[float, _by_measured("N", "N.m/rad", 0.0)] = 0.0
-    feedforward: Annotated[float, _by_measured("N.s", "N.m.s/rad")] = 0.0
+    proportional_gain: Annotated[float, _unit_by_load("N.s", "N.m.s/rad", 0.0)]
+    integral_gain: Annotated[float, _unit_by_load("N", "N.m/rad", 0.0)] = 0.0
+    feedforward: Annotated[float, _unit_by_load("N.s", "N.m.s/rad")] = 0.0
     minimum: Torque
     maximum: Torque
 

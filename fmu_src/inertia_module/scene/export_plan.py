@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..common.errors import SceneError
 from ..kernel.codes import ELASTIC
-from .run import start_of
+from .run import initial_values
 from .schema import Scene
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def scene_plan(scene: Scene) -> Plan:
     """
     from ..export.systems import make_plan  # imports the builder of FMUs
 
-    values, inputs = start_of(scene)
+    values, inputs = initial_values(scene)
     for name in ("housing_stiffness", "freewheel_stiffness"):
         if values.get("fidelity") == ELASTIC and values.get(name, 0.0) > 0.0:
             raise SceneError(

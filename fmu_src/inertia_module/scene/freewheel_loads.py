@@ -16,13 +16,15 @@ from .quantity import Quantity
 from .schema import Scene
 
 FREEWHEELS = ("housing", "output")
+# parameter of the stiffness by freewheel
+STIFFNESS = {"housing": "housing_stiffness", "output": "freewheel_stiffness"}
 # consecutive engagements for the maximum frequency: several, because pulses of a bevel module are irregular
-CONSECUTIVE = 10
+N_CONSECUTIVE = 10
 # Minimum overrun between engagements, rad. During shorter overruns the sprags stay engaged, because they wind
 # up by 1 to 3 degrees. Jumps of a piecewise constant speed of link 1 cause such overruns.
 MIN_OVERRUN = math.radians(0.1)
-# name of the note on a run without freewheel duty
-DUTY = "freewheel_duty"
+# name of the note on a run without operating loads of the freewheels
+DUTY_NOTE = "freewheel_duty"
 
 
 def engagements(table: Result, freewheel: str) -> NDArray[np.float64]:
@@ -44,24 +46,20 @@ def engagements(table: Result, freewheel: str) -> NDArray[np.float64]:
     return np.append(0.0, np.cumsum(increments))
 
 
-def fastest(time: NDArray[np.float64], count: NDArray[np.float64]) -> float:
-    """Return the maximum frequency of CONSECUTIVE consecutive events, Hz.
+def maximum_frequency(time: NDArray[np.float64], count: NDArray[np.float64]) -> float:
+    """Return the maximum frequency of N_CONSECUTIVE consecutive events, Hz.
 
     Args:
         time: Times, s, shape (n,).
         count: Number of events up to each time, shape (n,).
     """
     rows, number = np.flatnonzero(np.diff(count)), int(count[-1])
-    group = min(CONSECUTIVE, number - 1)
+    group = min(N_CONSECUTIVE, number - 1)
     if group < 1:
         return number / float(np.ptp(time))
     points = np.append(rows[0], rows + 1)
     times = np.interp(np.arange(1, number + 1), count[points], time[points])
     return group / float((times[group:] - times[:-group]).min())
-
-
-# parameter of the stiffness by freewheel
-STIFFNESS = {"housing": "housing_stiffness", "output": "freewheel_stiffness"}
 
 
 def has_impacts(parameters: Mapping[str, float], freewheel: str) -> bool:
@@ -75,7 +73,7 @@ def has_impacts(parameters: Mapping[str, float], freewheel: str) -> bool:
     return is_rigid and parameters.get(f"{freewheel}_engagement_angle", 0.0) > 0.0
 
 
-def impacts(table: Result, freewheel: str, stiffness: float | None) -> dict[str, Quantity]:
+def impact_metrics(table: Result, freewheel: str, stiffness: float | None) -> dict[str, Quantity]:
     """Return the maximum impact energy of a freewheel and an estimate of the impact torque.
 
     A rigid impact has an impulse and no finite torque. It dissipates the energy E = J slip^2 / 2 of the
@@ -111,9 +109,9 @@ def impact_warnings(scene: Scene, duty: Mapping[str, Quantity]) -> list[str]:
             continue
         if name not in stiffness:
             texts.append(
-                f"{name} torque peak excludes impacts: a rigid freewheel with an engagement angle has no"
-                f" finite torque in them; set freewheels.{name}.stiffness to compare them with the limit,"
-                f" {limit:.6g} N.m, or mechanism.{STIFFNESS[name]} at fidelity elastic"
+                f"{name} torque peak excludes impacts, because the impact torque of a rigid freewheel is not"
+                f" finite. Set freewheels.{name}.stiffness to compare impacts with the limit of"
+                f" {limit:.6g} N.m, or set mechanism.{STIFFNESS[name]} at fidelity elastic"
             )
         elif (torque := duty[f"{name}_impact_torque"].value) > limit:
             texts.append(
@@ -140,15 +138,17 @@ def freewheel_duty(
     for need in BY_NAME["output_engagements"].needs:
         if fidelity in need.lacking:
             level = ENUMERATIONS["Fidelity"][fidelity][0]
-            return {}, {DUTY: f"is not available: fidelity {level} {need.reason}"}
+            return {}, {DUTY_NOTE: f"is not available: fidelity {level} {need.reason}"}
     for name, torque in zip(FREEWHEELS, ("housing_torque_peak", "torque_peak"), strict=True):
         if parameters.get(f"{name}_freewheel", 1.0):
             count = engagements(table, name)
             mean = float(count[-1]) / float(np.ptp(table.time))
             metrics[f"{name}_engagement_frequency_mean"] = Quantity(mean, "Hz")
-            metrics[f"{name}_engagement_frequency_maximum"] = Quantity(fastest(table.time, count), "Hz")
+            metrics[f"{name}_engagement_frequency_maximum"] = Quantity(
+                maximum_frequency(table.time, count), "Hz"
+            )
             metrics[f"{name}_torque_peak"] = Quantity(float(table[torque].max()), "N.m")
             metrics[f"{name}_slip_peak"] = Quantity(float(table[f"{name}_slip_peak"].max()), "rad/s")
             if has_impacts(parameters, name):
-                metrics |= impacts(table, name, stiffness.get(name))
+                metrics |= impact_metrics(table, name, stiffness.get(name))
     return metrics, {}

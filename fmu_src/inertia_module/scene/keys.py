@@ -27,7 +27,7 @@ from ..interface.variables import INTEGER, LARGEST_SPEED, LARGEST_TORQUE, Variab
 
 # remedy in messages about Windows paths in TOML
 SLASHES = "Write / instead of \\, or put the path in single quotes."
-# value of fidelity that measurements replace by a level
+# value of fidelity for which the package chooses a level by measurements
 AUTO = "auto"
 
 
@@ -289,14 +289,14 @@ class ConstantOrTable(Strict):
         """
         constant, over_time = getattr(self, self.SIGNAL), getattr(self, f"{self.SIGNAL}_over_time")
         if (constant is None) == (over_time is None):
-            number = "none" if constant is None else "both"
-            raise ValueError(f"one of {self.SIGNAL} and {self.SIGNAL}_over_time is required (got {number})")
+            present = "none" if constant is None else "both"
+            raise ValueError(f"one of {self.SIGNAL} and {self.SIGNAL}_over_time is required (got {present})")
         signal: Signal = constant if over_time is None else over_time.signal()
         return signal
 
 
-def over_time(table: BaseModel, name: str = "") -> Iterator[tuple[str, Tabulated]]:
-    """Yield the dotted keys and columns over time of a table and of all tables within it.
+def tables_over_time(table: BaseModel, name: str = "") -> Iterator[tuple[str, Tabulated]]:
+    """Yield all tables with columns over time, within a table of a scene or the scene, by dotted key.
 
     Args:
         table: Table of a scene.
@@ -307,7 +307,7 @@ def over_time(table: BaseModel, name: str = "") -> Iterator[tuple[str, Tabulated
     for key in table.model_fields_set:
         value = getattr(table, key, None)
         if isinstance(value, BaseModel):
-            yield from over_time(value, f"{name}.{key}".lstrip("."))
+            yield from tables_over_time(value, f"{name}.{key}".lstrip("."))
 
 
 def scene_time_warnings(scene: BaseModel, stop_time: float) -> list[str]:
@@ -322,7 +322,7 @@ def scene_time_warnings(scene: BaseModel, stop_time: float) -> list[str]:
     """
     return [
         text
-        for key, table in over_time(scene)
+        for key, table in tables_over_time(scene)
         for text in time_warnings(
             f"{key} ({table.file})" if table.file else key,
             table.signal().points,
@@ -354,12 +354,15 @@ def _models(annotation: Any) -> list[type[BaseModel]]:
 
 
 def _kind(model: type[BaseModel]) -> str:
+    """Return the value of the key kind of a model, "" without this key."""
     field = model.model_fields.get("kind")
     return str(get_args(field.annotation)[0]) if field is not None else ""
 
 
-def _walk(scene: type[BaseModel], location: tuple[Any, ...]) -> tuple[list[str], list[type[BaseModel]]]:
-    """Return the keys of a location, without the kinds that pydantic inserts, and the models there."""
+def _keys_and_models(
+    scene: type[BaseModel], location: tuple[Any, ...]
+) -> tuple[list[str], list[type[BaseModel]]]:
+    """Return the keys of a location of pydantic, without the kinds it inserts, and the models there."""
     keys: list[str] = []
     models = [scene]
     for part in location:
@@ -375,10 +378,12 @@ def _walk(scene: type[BaseModel], location: tuple[Any, ...]) -> tuple[list[str],
 
 def _unknown_key_message(scene: type[BaseModel], location: tuple[Any, ...], value: Any) -> str:
     """Return the message for a key that no model contains."""
-    parents, models = _walk(scene, location[:-1])
+    parents, models = _keys_and_models(scene, location[:-1])
     names = list(dict.fromkeys(name for model in models for name in model.model_fields))
     key = ".".join([*parents, str(location[-1])])
-    others = [model for model in _walk(scene, location[:-2])[1] if location[-1] in model.model_fields]
+    others = [
+        model for model in _keys_and_models(scene, location[:-2])[1] if location[-1] in model.model_fields
+    ]
     if len(models) == 1 and others and location[-2] == _kind(models[0]):
         table, kinds = ".".join(parents), " or ".join(repr(_kind(model)) for model in others)
         return (
@@ -389,14 +394,14 @@ def _unknown_key_message(scene: type[BaseModel], location: tuple[Any, ...], valu
 
 
 def _is_combination(error: Any) -> bool:
-    """Return True if an error of pydantic is a contradiction between keys."""
+    """Return True if an error of pydantic is a contradiction between several keys."""
     return error["type"] == "value_error" and isinstance(error["ctx"]["error"], InertiaModuleError)
 
 
 def _message(scene: type[BaseModel], error: Any) -> str:
     """Return the message for one error of pydantic."""
     kind, value, context = error["type"], error["input"], error.get("ctx", {})
-    keys, models = _walk(scene, error["loc"])
+    keys, models = _keys_and_models(scene, error["loc"])
     key = ".".join(keys) or "scene"
     if kind == "extra_forbidden":
         return _unknown_key_message(scene, error["loc"], value)
@@ -436,7 +441,7 @@ _TABLES = (
 )
 
 
-def full_name(name: str) -> str:
+def full_key(name: str) -> str:
     """Return the full dotted key, with the prefix ``mechanism.`` if the name has no dot and is no table.
 
     Args:
@@ -449,7 +454,7 @@ def full_name(name: str) -> str:
 Keys = Mapping[str, object]
 
 
-def keys_of(keys: Keys | Iterable[str] | None) -> dict[str, object]:
+def by_dotted_key(keys: Keys | Iterable[str] | None) -> dict[str, object]:
     """Return values by dotted key.
 
     Args:
@@ -457,13 +462,13 @@ def keys_of(keys: Keys | Iterable[str] | None) -> dict[str, object]:
     """
     if keys is not None and not isinstance(keys, Mapping):
         warn_renamed("a list of texts KEY=VALUE", "a mapping from keys to values")
-        keys = keys_of_texts(keys)
+        keys = keys_from_options(keys)
     values = keys or {}
     is_table = isinstance(values.get("drive"), Mapping | BaseModel)
-    return {name if name == "drive" and is_table else full_name(name): values[name] for name in values}
+    return {name if name == "drive" and is_table else full_key(name): values[name] for name in values}
 
 
-def keys_of_texts(texts: Iterable[str] | None) -> dict[str, object]:
+def keys_from_options(texts: Iterable[str] | None) -> dict[str, object]:
     """Return values by dotted key from the options --set of the command line.
 
     Args:
@@ -478,13 +483,13 @@ def keys_of_texts(texts: Iterable[str] | None) -> dict[str, object]:
         if not (name and value):
             raise SceneError(f"expected KEY=VALUE (got {text!r})")
         try:
-            values[full_name(name)] = tomllib.loads(f"value = {value}")["value"]
+            values[full_key(name)] = tomllib.loads(f"value = {value}")["value"]
         except tomllib.TOMLDecodeError:
-            values[full_name(name)] = value
+            values[full_key(name)] = value
     return values
 
 
-def changed(tables: dict[str, Any], path: Sequence[str], value: Any) -> dict[str, Any]:
+def with_value(tables: dict[str, Any], path: Sequence[str], value: Any) -> dict[str, Any]:
     """Return a copy of nested tables with one value changed.
 
     Args:
@@ -495,7 +500,7 @@ def changed(tables: dict[str, Any], path: Sequence[str], value: Any) -> dict[str
     head, *rest = path
     if rest:
         table = tables.get(head)
-        value = changed(table if isinstance(table, dict) else {}, rest, value)
+        value = with_value(table if isinstance(table, dict) else {}, rest, value)
     others = {name: part for name, part in tables.items() if name != head}
     return others if value is None else {**others, head: value}
 
@@ -519,5 +524,5 @@ def validated(model: type[Model], tables: dict[str, Any], folder: Path = Path())
         # Unknown keys come first, because a missing key may only be misspelt.
         first, *others = sorted(failure.errors(), key=lambda error: error["type"] != "extra_forbidden")
         more = f" (and {len(others)} more)" if others else ""
-        key = "" if _is_combination(first) else ".".join(_walk(model, first["loc"])[0])
+        key = "" if _is_combination(first) else ".".join(_keys_and_models(model, first["loc"])[0])
         raise SceneError(" ".join(_message(model, first).split()) + more, key) from None

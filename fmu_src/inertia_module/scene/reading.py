@@ -16,7 +16,7 @@ from ..common.errors import InertiaModuleError, SceneError, cannot_read
 from ..common.extras import library
 from ..common.files import read_text
 from ..common.units import factor_between, split_quantity
-from .keys import SLASHES, Keys, Model, changed, keys_of, validated
+from .keys import SLASHES, Keys, Model, by_dotted_key, validated, with_value
 from .schema import Scene
 from .shaft import ShaftScene
 
@@ -47,16 +47,18 @@ def load_scene(path: Path | str, keys: Keys | None = None) -> Scene:
     Raises:
         SceneError: The file or a value is invalid; the message names file, key, value and allowed range.
     """
-    return load_tables(path, keys, lambda tables: Scene)
+    return load_model(path, keys, lambda tables: Scene)
 
 
-def load_tables(path: Path | str, keys: Keys | None, kind: Callable[[dict[str, Any]], type[Model]]) -> Model:
+def load_model(
+    path: Path | str, keys: Keys | None, model_for: Callable[[dict[str, Any]], type[Model]]
+) -> Model:
     """Read and check a scene file whose model depends on its tables.
 
     Args:
         path: Path of the TOML file.
         keys: Values that replace values of the file, as in load_scene.
-        kind: Function that returns the model to check the tables with.
+        model_for: Function that returns the model to check the tables with.
 
     Raises:
         SceneError: As in load_scene.
@@ -71,9 +73,9 @@ def load_tables(path: Path | str, keys: Keys | None, kind: Callable[[dict[str, A
         raise SceneError(cannot_read(path, f"line {line} is not UTF-8")) from None
     try:
         tables = _tables(text)
-        for name, value in keys_of(keys).items():
-            tables = changed(tables, name.split("."), value)
-        return validated(kind(tables), tables, path.parent)
+        for name, value in by_dotted_key(keys).items():
+            tables = with_value(tables, name.split("."), value)
+        return validated(model_for(tables), tables, path.parent)
     except InertiaModuleError as error:
         raise SceneError(f"{path.name}: {error}") from None
 
@@ -97,11 +99,14 @@ def speed_unit(path: Path | str, keys: Keys | None = None) -> str:
         path: Path of a scene file that load_scene accepts.
         keys: Values that replace values of the file, as in load_scene.
     """
-    values = [*_strings(_tables(Path(path).read_text(encoding="utf-8"))), *map(str, keys_of(keys).values())]
+    values = [
+        *_strings(_tables(Path(path).read_text(encoding="utf-8"))),
+        *map(str, by_dotted_key(keys).values()),
+    ]
     return "rpm" if any(re.search(r"[\d\s](rpm|1/min)$", value.strip()) for value in values) else "rad/s"
 
 
-# tables of a scene whose units the summary uses, and the quantities
+# tables of a scene whose units the summary uses, and the quantities by their default unit
 _OPERATION = ("drive", "load", "controller", "freewheels")
 _QUANTITIES = ("rad/s", "N.m", "km/h")
 
@@ -117,8 +122,8 @@ def display_units(path: Path | str, keys: Keys | None = None) -> dict[str, str]:
         Units by SI unit (speeds of vehicles: by km/h), without quantities that have no unit in the scene.
     """
     tables = _tables(Path(path).read_text(encoding="utf-8"))
-    for name, value in keys_of(keys).items():
-        tables = changed(tables, name.split("."), value)
+    for name, value in by_dotted_key(keys).items():
+        tables = with_value(tables, name.split("."), value)
     units = Counter[tuple[str, str]]()
     for text in _strings([tables.get(name) for name in _OPERATION]):
         unit = _unit_of(text)
@@ -166,10 +171,10 @@ def load_any_scene(path: Path | str, keys: Keys | None = None) -> Scene | ShaftS
         SceneError: As in load_scene.
     """
 
-    def kind(tables: dict[str, Any]) -> type[Scene | ShaftScene]:
+    def model_for(tables: dict[str, Any]) -> type[Scene | ShaftScene]:
         return ShaftScene if "shaft" in tables else Scene
 
-    return load_tables(path, keys, kind)
+    return load_model(path, keys, model_for)
 
 
 def scene_text(scene: Scene) -> str:

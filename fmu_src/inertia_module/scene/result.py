@@ -75,13 +75,13 @@ class SceneResult(Result):
     def as_dict(self) -> dict[str, object]:
         """Return version, title, parameters, summary, units, limits, notes and warnings, for JSON."""
         parameters = self.scene.parameters()
-        of_parameters = {name: self.scene.VARIABLES[name].unit for name in parameters}
+        parameter_units = {name: self.scene.VARIABLES[name].unit for name in parameters}
         return {
             "inertia_module": __version__,
             "title": self.scene.title,
             "parameters": parameters,
             "summary": self.summary,
-            "units": of_parameters | self.metric_units,
+            "units": parameter_units | self.metric_units,
             "limits": self.limits,
             "remarks": self.remarks,
             "warnings": list(self.warnings),

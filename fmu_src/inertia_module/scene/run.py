@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,14 +19,15 @@ from ..fmi.simulate import Fmu, Result
 from .freewheel_loads import freewheel_duty, impact_warnings
 from .keys import scene_time_warnings
 from .loads import VehicleLoad
+from .quantity import Quantity
 from .reading import as_scene
 from .result import SceneResult
 from .schema import Scene
-from .summary_metrics import SUMMARISED, input_speed, summarise
-from .vehicle_metrics import TRACTIVE_FORCE, cycle_remarks, grip, times_to
+from .summary_metrics import SUMMARY_VARIABLES, input_speed, summarise
+from .vehicle_metrics import TRACTIVE_FORCE, cycle_remarks, grip_metrics, times_to
 
 
-def start_of(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
+def initial_values(scene: Scene) -> tuple[dict[str, float], dict[str, float]]:
     """Return parameters (with tolerance) and initial inputs of the FMU for a scene, SI, by name.
 
     Args:
@@ -68,9 +69,9 @@ def run_scene(
         SceneError: The scene is invalid, or its fidelity is 'auto'.
     """
     scene = as_scene(scene)
-    values, inputs = start_of(scene)
+    values, inputs = initial_values(scene)
     with Fmu(fmu, values, inputs, stop_time=scene.run.stop_time) as instance:
-        result = _run_on(instance, scene, progress, also)
+        result = _run_with(instance, scene, progress, also)
     return replace(result, remarks={**result.remarks, **above_stall(result, scene.parameters())})
 
 
@@ -101,7 +102,7 @@ class SceneRunner(RestartedFmu):
     """Instance of an FMU with states that runs several scenes; a context manager.
 
     A run costs a tenth of a run with a new instance. Metrics are bitwise identical to run_scene. Warnings of
-    the FMU can be missing, and there is no note of above_stall.
+    the FMU can be missing, and the note of above_stall is always missing.
     """
 
     def run(self, scene: Scene) -> SceneResult:
@@ -114,7 +115,7 @@ class SceneRunner(RestartedFmu):
             FmuError: The FMU rejects a value or a step.
             SceneError: The fidelity of the scene is 'auto'.
         """
-        return _run_on(self.started(scene), scene)
+        return _run_with(self.started(scene), scene)
 
     def started(self, scene: Scene) -> Fmu:
         """Return the instance, restarted with the initial values of a scene.
@@ -126,16 +127,18 @@ class SceneRunner(RestartedFmu):
             FmuError: The FMU rejects a value.
             SceneError: The fidelity of the scene is 'auto'.
         """
-        values, inputs = start_of(scene)
+        values, inputs = initial_values(scene)
         self.restart({**values, **inputs})
         return self
 
 
-def _run_on(
+def _run_with(
     fmu: Fmu, scene: Scene, progress: Progress | None = None, also: Iterable[str] = ()
 ) -> SceneResult:
     """Run a scene with a started FMU."""
-    loop = ClosedLoop(fmu, scene.surroundings, [*scene.run.outputs, *SUMMARISED, *also], scene.signal_units)
+    loop = ClosedLoop(
+        fmu, scene.surroundings, [*scene.run.outputs, *SUMMARY_VARIABLES, *also], scene.signal_units
+    )
     start = time.perf_counter()
     record = loop.run(scene.run.stop_time, progress)
     wall_time = time.perf_counter() - start
@@ -144,18 +147,11 @@ def _run_on(
     if scene.cycle is not None:
         remarks |= cycle_remarks(record, scene.cycle)
     duty, notes = freewheel_duty(record, scene.parameters(), scene.freewheels.of("stiffness"))
-    impact = impact_warnings(scene, duty)
     limits = {name: limit for name, limit in scene.freewheels.limits().items() if name in duty}
     if isinstance(scene.load, VehicleLoad) and scene.load.grip is not None:
-        numbers, slipping = grip(record, scene.load)
+        numbers, slipping = grip_metrics(record, scene.load)
         duty, notes, limits = duty | numbers, notes | slipping, limits | {TRACTIVE_FORCE: scene.load.grip}
     quantities = summarise(record, scene.cycle, wall_time, times | duty)
-    exceeded = [
-        f"{name.replace('_', ' ')} exceeds its limit of {limit:.6g} {unit}: {duty[name].value:.6g} {unit}"
-        for name, limit in limits.items()
-        if duty[name].value > limit
-        for unit in [duty[name].unit]
-    ]
     return SceneResult(
         record.columns,
         record.units,
@@ -163,5 +159,18 @@ def _run_on(
         quantities=quantities,
         remarks=remarks | notes,
         limits=limits,
-        warnings=(*fmu.warnings, *exceeded, *impact, *scene_time_warnings(scene, scene.run.stop_time)),
+        warnings=(
+            *fmu.warnings,
+            *_limit_warnings(duty, limits),
+            *impact_warnings(scene, duty),
+            *scene_time_warnings(scene, scene.run.stop_time),
+        ),
     )
+
+
+def _limit_warnings(metrics: Mapping[str, Quantity], limits: Mapping[str, float]) -> Iterator[str]:
+    """Yield a warning for each metric that exceeds its limit."""
+    for name, limit in limits.items():
+        value, unit = metrics[name]
+        if value > limit:
+            yield f"{name.replace('_', ' ')} exceeds its limit of {limit:.6g} {unit}: {value:.6g} {unit}"

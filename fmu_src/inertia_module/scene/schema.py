@@ -26,13 +26,13 @@ from .keys import (
     Duration,
     Keys,
     Strict,
-    changed,
+    by_dotted_key,
     fields_of,
     in_range,
-    keys_of,
     quantity,
     scene_time_warnings,
     validated,
+    with_value,
 )
 from .loads import Load
 from .satellite import Satellite
@@ -306,7 +306,7 @@ class Scene(Strict):
         Raises:
             SceneError: The new scene is invalid.
         """
-        keys = keys_of(keys)
+        keys = by_dotted_key(keys)
         names = {name.partition(".")[0] for name in keys}
         # The units of a controller depend on the load.
         names |= {"controller"} if "load" in names else set()
@@ -314,7 +314,7 @@ class Scene(Strict):
         fields = self.model_fields_set & Scene.model_fields.keys()
         data = {name: self.tables.get(name) if name in names else getattr(self, name) for name in fields}
         for name, value in keys.items():
-            data = changed(data, name.split("."), value)
+            data = with_value(data, name.split("."), value)
         return validated(Scene, data)
 
     @cached_property

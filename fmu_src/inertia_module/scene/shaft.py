@@ -18,11 +18,11 @@ from .keys import (
     Strict,
     Tabulated,
     Times,
-    changed,
     fields_of,
     quantity,
     scene_time_warnings,
     validated,
+    with_value,
 )
 from .loads import TorqueLoad
 from .schema import Run, repr_of
@@ -141,7 +141,7 @@ class ShaftScene(Strict):
         """
         tables = self.model_dump(exclude_none=True)
         for name, value in keys.items():
-            tables = changed(tables, name.split("."), value)
+            tables = with_value(tables, name.split("."), value)
         return validated(ShaftScene, tables)
 
     @model_validator(mode="after")

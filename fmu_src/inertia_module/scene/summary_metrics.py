@@ -14,7 +14,7 @@ from .quantity import Quantity
 from .vehicle_metrics import out_of_tolerance, vehicle_metrics
 
 # variables of the FMU that the summary and the figure require in addition to the outputs of the scene
-SUMMARISED = (
+SUMMARY_VARIABLES = (
     *("omega2", "omega_out", "input_speed", "input_torque_mean", "output_torque_mean"),
     *("energy_in", "energy_out", "energy_stored", "energy_lost", *LOSSES, "energy_residual"),
     "contact_switches",
@@ -83,7 +83,7 @@ def forces(table: Result) -> dict[str, NDArray[np.float64]]:
     return {name: values for name, values in magnitudes.items() if values.max() > 1e-12 * maximum}
 
 
-def _forces(table: Result) -> dict[str, Quantity]:
+def _force_metrics(table: Result) -> dict[str, Quantity]:
     """Return peak and RMS of forces at communication points, and the recorded peak force of the bearing."""
     numbers: dict[str, Quantity] = {}
     for name, values in forces(table).items():
@@ -101,7 +101,7 @@ def summarise(
     """Return the metrics of a run by name.
 
     Args:
-        table: Record of the run, with all variables in SUMMARISED and the signals of the loop.
+        table: Record of the run, with all variables in SUMMARY_VARIABLES and the signals of the loop.
         cycle: Driving cycle of the vehicle, or None.
         wall_time: Duration of the computation, s.
         also: More metrics, such as the results of times_to and freewheel_duty.
@@ -118,7 +118,7 @@ def summarise(
         # Each pulse has several switches.
         "contact_switches": Quantity(float(table["contact_switches"][-1]), ""),
         **energy(table),
-        **_forces(table),
+        **_force_metrics(table),
         **also,
     }
     if "vehicle_speed" in table:

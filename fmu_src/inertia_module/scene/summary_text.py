@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..common.units import factor_between, printed_unit
 from ..interface.variables import ENUMERATIONS, LOSSES, LOST_TO
 from ..kernel.codes import RIGID
-from .freewheel_loads import DUTY, FREEWHEELS
+from .freewheel_loads import DUTY_NOTE, FREEWHEELS
 from .headings import heading
 from .result import SceneResult
 from .summary_metrics import input_speed
@@ -30,7 +30,8 @@ _REST_FACTOR, _RANGE_FACTOR = 1e-6, 1e-3
 _BACKWARD_FACTOR = 0.01
 # energies below this fraction of the supplied energy are omitted
 _NEGLIGIBLE_FACTOR = 1e-4
-# energies below this fraction of the stored energy are rounding errors; without energies also such torques
+# energies below this fraction of the stored energy are round-off; without energies also torques below this
+# fraction of it
 _ENERGY_ROUNDING, _TORQUE_ROUNDING = 1e-8, 1e-4
 # display units by unit of a metric, for a scene without units
 DISPLAY_UNITS: Mapping[str, str] = {"rad/s": "rpm", "km/h": "km/h", "N.m": "N.m"}
@@ -248,7 +249,7 @@ class SummaryWriter:
         notes = [
             f"{heading(name)} {text}"
             for name, text in remarks
-            if name != DUTY and not name.startswith(TIME_TO)
+            if name != DUTY_NOTE and not name.startswith(TIME_TO)
         ]
         return [
             line
@@ -289,7 +290,7 @@ class SummaryWriter:
             }
         groups["Solved"] = self.solution()
         lines = {label: wrapped(label, items, self.width) for label, items in groups.items()}
-        lines |= {"Forces": [*lines.get("Forces", []), *self.freewheels()]}
+        lines["Forces"] = [*lines.get("Forces", []), *self.freewheels()]
         return [line for group in lines.values() for line in group]
 
     def speeds(self) -> list[str]:
@@ -375,8 +376,8 @@ class SummaryWriter:
 
     def freewheels(self) -> list[str]:
         """Return the table of the freewheels: engagements, torque, overrun speed and limits."""
-        if DUTY in self.result.remarks:
-            reason = self.result.remarks[DUTY].removeprefix("is ")
+        if DUTY_NOTE in self.result.remarks:
+            reason = self.result.remarks[DUTY_NOTE].removeprefix("is ")
             return wrapped("Freewheels", [reason], self.width)
         names = [name for name in FREEWHEELS if f"{name}_torque_peak" in self.metrics]
         limits = self.result.limits
@@ -446,10 +447,9 @@ class SummaryWriter:
         items = self.pair("speed error max", "tracking_error_maximum", "RMS", "tracking_error_rms")
         if "share_out_of_tolerance" in self.metrics:
             share, seconds = self.metrics["share_out_of_tolerance"], self.text("time_out_of_tolerance")
-            has_deviation = share > 0.0
             items.append(
                 f"out of tolerance for {seconds} ({share:.2g} %)"
-                if has_deviation
+                if share > 0.0
                 else "always within tolerance"
             )
         return items

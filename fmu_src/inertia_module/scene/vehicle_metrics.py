@@ -28,7 +28,7 @@ def work(table: Result, torque: str) -> NDArray[np.float64]:
     return np.concatenate([[0.0], np.cumsum(increments)])
 
 
-def time_to(speed: float) -> str:
+def time_to_name(speed: float) -> str:
     """Return the name of the acceleration time to a speed.
 
     Args:
@@ -45,7 +45,7 @@ def launch_time(time: NDArray[np.float64], speed: NDArray[np.float64]) -> float:
     """Return the time from which the vehicle moves forward in the last launch, s.
 
     A launch begins with the run or with the last standstill of at least STANDSTILL. The time is the last one
-    at the rearmost position, so that motion undone by rolling back does not count.
+    at the rearmost position, so motion before rolling back does not count.
 
     Args:
         time: Times, s, shape (n,), up to the row in which the vehicle reaches the target speed.
@@ -61,7 +61,7 @@ def launch_time(time: NDArray[np.float64], speed: NDArray[np.float64]) -> float:
 
 
 def times_to(table: Result, speeds: Sequence[float]) -> tuple[dict[str, Quantity], dict[str, str]]:
-    """Return the acceleration time to each speed since launch_time.
+    """Return the acceleration time to each speed, from launch_time on.
 
     Args:
         table: Record of the run, with the column vehicle_speed.
@@ -78,11 +78,11 @@ def times_to(table: Result, speeds: Sequence[float]) -> tuple[dict[str, Quantity
             pair = slice(row - 1, row + 1)
             begin = launch_time(table.time[: row + 1], vehicle_speed[: row + 1])
             time = float(np.interp(speed, vehicle_speed[pair], table.time[pair]) - begin)
-            times[time_to(speed)] = Quantity(time, "s")
+            times[time_to_name(speed)] = Quantity(time, "s")
         elif vehicle_speed[0] >= speed:
-            remarks[time_to(speed)] = f"not available (the run starts at {in_kmh[0]:.4g} km/h)"
+            remarks[time_to_name(speed)] = f"not available (the run starts at {in_kmh[0]:.4g} km/h)"
         else:
-            remarks[time_to(speed)] = f"not reached (maximum {in_kmh.max():.4g} km/h)"
+            remarks[time_to_name(speed)] = f"not reached (maximum {in_kmh.max():.4g} km/h)"
     return times, remarks
 
 
@@ -107,7 +107,7 @@ def tractive_force(table: Result, load: VehicleLoad) -> NDArray[np.float64]:
     return np.where((speed[1:] != 0.0) | (speed[:-1] != 0.0), force, 0.0)
 
 
-def grip(table: Result, load: VehicleLoad) -> tuple[dict[str, Quantity], dict[str, str]]:
+def grip_metrics(table: Result, load: VehicleLoad) -> tuple[dict[str, Quantity], dict[str, str]]:
     """Compare the tractive force with the grip of the driven wheels, which the run does not limit.
 
     Args:
@@ -176,16 +176,16 @@ def cycle_remarks(table: Result, cycle: Cycle) -> dict[str, str]:
         remarks["stop_time"] = f"is {time[-1]:g} s, but {cycle.name} lasts {cycle.duration:g} s"
     edges = np.flatnonzero(np.diff(excess != 0.0, prepend=False, append=False))
     begins, ends = edges[::2], np.minimum(edges[1::2], len(time) - 1)
-    long = time[ends] - time[begins] > TIME_TOLERANCE + 1e-9
-    if not long.any():
+    is_long = time[ends] - time[begins] > TIME_TOLERANCE + 1e-9
+    if not is_long.any():
         return remarks
-    rows = np.concatenate([np.arange(*pair) for pair in zip(begins[long], ends[long], strict=True)])
+    rows = np.concatenate([np.arange(*pair) for pair in zip(begins[is_long], ends[is_long], strict=True)])
     worst = rows[np.argmax(np.abs(excess[rows]))]
     deviation = float(table["vehicle_speed"][worst] - cycle.speed_at(time[worst])) / KILOMETRE_PER_HOUR
-    occasions = "once, at" if long.sum() == 1 else f"{long.sum()} times, first at"
+    occasions = "once, at" if is_long.sum() == 1 else f"{is_long.sum()} times, first at"
     remarks["vehicle_speed"] = (
         f"does not follow {cycle.name}: out of tolerance for more than {TIME_TOLERANCE:g} s at a time"
-        f" ({occasions} {time[begins[long][0]]:.6g} s); largest deviation {abs(deviation):.3g} km/h too"
+        f" ({occasions} {time[begins[is_long][0]]:.6g} s); largest deviation {abs(deviation):.3g} km/h too"
         f" {'fast' if deviation > 0.0 else 'slow'} at {time[worst]:.6g} s"
     )
     return remarks

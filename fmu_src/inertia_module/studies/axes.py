@@ -19,7 +19,7 @@ from ..common.errors import ParameterError, SceneError, must_be, unknown
 from ..common.units import number_of, parse_unit, split_quantity
 from ..interface.variables import BY_NAME, INTEGER, REAL
 from ..scene import Scene
-from ..scene.keys import MECHANISM, full_name, unit_of
+from ..scene.keys import MECHANISM, full_key, unit_of
 
 # values by key of the scene: numbers in SI, or names
 Point = dict[str, float | str]
@@ -148,7 +148,7 @@ def _range(name: str, unit: str, text: str, value: Callable[[str], float | str])
     return Axis(name, unit, low, high, int(parts[4] or 0), bool(parts[1]))
 
 
-def ranges_of_texts(texts: Iterable[str]) -> dict[str, str]:
+def ranges_from_options(texts: Iterable[str]) -> dict[str, str]:
     """Return ranges by name, "" without a range, from the options of the command line.
 
     Args:
@@ -179,14 +179,14 @@ def _by_key(ranges: Ranges | Iterable[str], use: str, example: str) -> dict[str,
     """
     if not isinstance(ranges, Mapping):
         warn_renamed("a list of texts NAME=RANGE", "a mapping from names to ranges")
-        ranges = ranges_of_texts(ranges)
+        ranges = ranges_from_options(ranges)
     if not ranges:
         raise ParameterError(f"at least one key must be {use}, for example {example}")
     by_key: dict[str, Range] = {}
     for name, range_ in ranges.items():
-        if full_name(name) in by_key:
-            raise ParameterError(f"{full_name(name)} is {use} twice; list it once")
-        by_key[full_name(name)] = range_ or None
+        if full_key(name) in by_key:
+            raise ParameterError(f"{full_key(name)} is {use} twice; list it once")
+        by_key[full_key(name)] = range_ or None
     return by_key
 
 
@@ -231,7 +231,7 @@ def grid(axes: Sequence[Axis]) -> list[Point]:
     return [dict(zip(names, row, strict=True)) for row in itertools.product(*values)]
 
 
-def of_shares(axes: Sequence[Axis], shares: NDArray[np.float64]) -> list[Point]:
+def points_at(axes: Sequence[Axis], shares: NDArray[np.float64]) -> list[Point]:
     """Return the points at fractions of the axes.
 
     Args:
@@ -241,7 +241,7 @@ def of_shares(axes: Sequence[Axis], shares: NDArray[np.float64]) -> list[Point]:
     return [{axis.name: axis.at(u) for axis, u in zip(axes, row, strict=True)} for row in shares.tolist()]
 
 
-def shares_sampled(number: int, sample: str, seed: int) -> NDArray[np.float64]:
+def sample_shares(number: int, sample: str, seed: int) -> NDArray[np.float64]:
     """Sample fractions of ranges, shape (points, number); equal seeds produce equal points.
 
     Args:
@@ -317,7 +317,7 @@ def free_keys(free: Ranges, scene: Scene, sensors: Mapping[str, Free] | None = N
     for name, text in _by_key(free, "free", "imbalance_mass=0.5:2").items():
         if name in others:
             key = others[name]
-            keys.append(_free(key, text, partial(_number, name, key.unit)))
+            keys.append(_with_range(key, text, partial(_number, name, key.unit)))
         elif name.partition(".")[0] in kinds:
             raise ParameterError(unknown("sensor parameter", name, others))
         else:
@@ -328,7 +328,7 @@ def free_keys(free: Ranges, scene: Scene, sensors: Mapping[str, Free] | None = N
                     f"{name} requires a range, {name}=LOW:HIGH, because the scene has no start value other"
                     " than 0"
                 )
-            keys.append(_free(key, text, read))
+            keys.append(_with_range(key, text, read))
     return keys
 
 
@@ -355,7 +355,7 @@ def key_of_scene(name: str, scene: Scene) -> Free:
     )
 
 
-def _free(key: Free, limits: Range, read: Callable[[str], float | str]) -> Free:
+def _with_range(key: Free, limits: Range, read: Callable[[str], float | str]) -> Free:
     """Return a key with its range or its prior value.
 
     Args:

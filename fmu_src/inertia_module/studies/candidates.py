@@ -29,13 +29,13 @@ from .measurement import CLOCK, GAIN, OFFSET, SHIFT, Measurement, autocorrelatio
 # groups of parameters that are candidates; with a value of 0 only LOSSES and MASSES are
 GROUPS = (Group.BEVEL, Group.PLANAR, Group.MASSES, Group.ELASTIC, Group.LOSSES)
 ZERO_GROUPS = (Group.MASSES, Group.LOSSES)
-# size of a candidate, of its value, or SI if that is 0
+# size of a candidate: relative to its value, or in SI units if its value is 0
 RELATIVE_SIZE, ZERO_SIZE = 0.01, 1e-4
-# change of the residuals, in noise, along the difference of a candidate, and the least influence
+# change of the residuals along the difference step of a candidate, relative to the noise: aim and minimum
 CHANGE, MIN_CHANGE = 5.0, 1e-3
-# steps in which the difference is chosen
+# iterations for the length of the difference step
 N_STEPS = 4
-# largest difference, in sizes, of a candidate with a value and of one with the value 0
+# maximum difference step relative to the size, for a candidate with another value than 0 and with the value 0
 MAX_FACTOR, MAX_ZERO_FACTOR = 10.0, 1e3
 # significance of a cause after the correction for the number of candidates
 SIGNIFICANCE = 0.01
@@ -49,21 +49,21 @@ N_FULL_REFITS = 8
 
 @dataclass(frozen=True, eq=False)
 class Candidate(ByContent):
-    """A candidate cause, released.
+    """A candidate cause after its release.
 
     Attributes:
-        name: of the key.
+        name: name of the key.
         value: estimate, SI.
-        error: its standard error, SI.
-        nominal: value in the fit without it, SI.
-        unit: of these, "" for none.
-        chi_squared: before and after, by the noise that is left after.
+        error: standard error of the estimate, SI.
+        nominal: value in the fit without the candidate, SI.
+        unit: SI unit of these values, "" for none.
+        chi_squared: chi-squared without and with the candidate, both for the noise of the fit with it.
         likelihood_ratio: 2 ln of the ratio of the likelihoods, for the effective number of values.
-        p_value: of the F-test, corrected for the number of candidates.
-        values: of the free keys with the candidate released, SI, by name.
-        is_systematic: whether autocorrelated residuals are left.
-        is_separable: whether the data can separate it from the free keys.
-        optimum: with the candidate as the last key.
+        p_value: p-value of the F-test, corrected for the number of candidates.
+        values: values of the free keys with the candidate released, SI, by name.
+        is_systematic: True if autocorrelated residuals remain.
+        is_separable: True if the data can separate the candidate from the free keys.
+        optimum: optimum with the candidate as the last key.
     """
 
     name: str
@@ -81,7 +81,7 @@ class Candidate(ByContent):
 
     @property
     def cause(self) -> str:
-        """The cause in words, with its value."""
+        """Noun phrase for the cause, with its value."""
         kind, _, column = self.name.partition(".")
         quantity = f"{self.value:.4g} {self.unit.removeprefix('1')}".strip()
         if kind == OFFSET:
@@ -102,7 +102,7 @@ class Candidate(ByContent):
 
     @property
     def text(self) -> str:
-        """Estimate, F-test and values of the free keys, in a line."""
+        """Line with the estimate, the F-test and the values of the free keys."""
         before, after = self.chi_squared
         estimate = f"{self.value:.4g} ± {self.error:.2g} {self.unit.removeprefix('1')}".rstrip()
         values = "; ".join(f"{name} {value:.5g}" for name, value in self.values.items())
@@ -113,9 +113,9 @@ def candidate_keys(scene: Scene, data: Measurement, excluded: Collection[str]) -
     """Return the keys of the candidates: sensors, geometry, masses, losses, numbers of drive and load.
 
     Args:
-        scene: as fitted.
-        data: measurement, for its sensors.
-        excluded: names of free and of exact keys.
+        scene: the fitted scene.
+        data: measurement with the sensors.
+        excluded: names of the free and exact keys.
     """
     keys = [key for key in data.sensors.values() if key.name != CLOCK or len(data.columns) > 1]
     for variable in VARIABLES:
@@ -135,9 +135,14 @@ def candidate_keys(scene: Scene, data: Measurement, excluded: Collection[str]) -
 def released(optimum: Optimum, key: Free) -> Optimum | None:
     """Re-fit with a candidate released by Gauss-Newton steps; return None if it has no influence.
 
-    The derivative by the candidate is a difference along which the free keys compensate and the residuals
-    change by about CHANGE. Otherwise curvature would hide the part that they cannot compensate. The Jacobian
-    stays constant (chord method).
+    The derivative with respect to the candidate is a difference quotient. Along its step the free keys
+    compensate the candidate, and the residuals change by about CHANGE. Without the compensation, curvature
+    would hide the part of the change that the free keys cannot compensate. The Jacobian stays constant (chord
+    method).
+
+    Args:
+        optimum: optimum of the fit without candidates.
+        key: the candidate.
     """
     problem = optimum.problem.with_key(key)
     reach = key.size * (MAX_FACTOR if key.start else MAX_ZERO_FACTOR)
@@ -165,7 +170,7 @@ def released(optimum: Optimum, key: Free) -> Optimum | None:
 
 
 def _sums_of_squares(optimum: Optimum) -> tuple[Array, float]:
-    """Return the sum of squares of each column, in units of its noise, and of the prior values."""
+    """Return the sum of squared residuals of each column, over its noise, and the sum of the prior values."""
     *columns, prior = (float(part @ part) for part in optimum.parts)
     units = np.where(optimum.problem.rig.data.estimated, optimum.problem.noise[0], 1.0)
     return np.maximum(columns * units**2, 1e-30), prior
@@ -181,7 +186,11 @@ def _effective_numbers(optimum: Optimum) -> Array:
 def likelihood_ratio(restricted: Optimum, full: Optimum) -> float:
     """Return 2 ln of the ratio of the likelihoods of a full and a restricted model.
 
-    The noise of a column is estimated in each model, or at least the noise that was specified.
+    A noise that is not specified is estimated in each model. A specified noise is the minimum.
+
+    Args:
+        restricted: optimum without the additional key.
+        full: optimum with it.
     """
     data = full.problem.rig.data
     (before, prior_before), (after, prior_after) = _sums_of_squares(restricted), _sums_of_squares(full)
@@ -192,18 +201,27 @@ def likelihood_ratio(restricted: Optimum, full: Optimum) -> float:
 
 
 def f_test(restricted: Optimum, full: Optimum) -> float:
-    """Return the p-value of the F-test of one released parameter."""
+    """Return the p-value of the F-test of one released key.
+
+    Args:
+        restricted: optimum without the key.
+        full: optimum with it.
+    """
     from scipy.stats import f
 
     number = float(_effective_numbers(full).sum())
     freedom = number - full.point.size
-    # of one column, exp(2 ln L / n) is the ratio of the sums of squares
+    # for one column, exp(2 ln L / n) is the ratio of the sums of squares
     ratio = max(likelihood_ratio(restricted, full), 0.0) / number
     return float(f.sf(freedom * math.expm1(min(ratio, 500.0)), 1, freedom)) if freedom >= 1.0 else 1.0
 
 
 def causes(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Return the best candidate and those that the data do not exclude; none if that may be chance."""
+    """Return the best candidate and those that the data do not exclude; none if the best is not significant.
+
+    Args:
+        candidates: the tested candidates.
+    """
     best = max(candidates, key=lambda candidate: candidate.likelihood_ratio, default=None)
     if best is None or best.p_value > SIGNIFICANCE:
         return []
@@ -213,16 +231,16 @@ def causes(candidates: Sequence[Candidate]) -> list[Candidate]:
 def release_candidates(
     optimum: Optimum, keys: Sequence[Free], start: Array, progress: Progress
 ) -> list[Candidate]:
-    """Release candidates in turn and test them; the most significant first.
+    """Release candidates one at a time, test them and return them, the most significant first.
 
-    If one is significant, the best N_FULL_REFITS are fitted in full. If residuals stay systematic, the fit
-    may have ended in a local minimum. All candidates are then fitted from its start.
+    If one is significant, the best N_FULL_REFITS are fitted in full. If residuals remain systematic, the fit
+    may have ended in a local minimum. All candidates are then fitted from the start point of the fit.
 
     Args:
-        optimum: of the fit without candidates.
-        keys: of the candidates.
-        start: of the fit, shape (keys,).
-        progress: called with the share that is done.
+        optimum: optimum of the fit without candidates.
+        keys: keys of the candidates.
+        start: start point of the fit, shape (keys,).
+        progress: function that receives the completed share, 0 to 1.
     """
     optima: dict[str, Optimum] = {}
     for n, key in enumerate(keys):
@@ -257,8 +275,12 @@ def release_candidates(
 def collinearity(restricted: Optimum, full: Optimum) -> float:
     """Return the collinearity index of the last key of a full model with the other keys.
 
-    Other keys compensate a change of the key except for the reciprocal of the index: Brun, Reichert and
+    The other keys compensate a change of this key, except for a fraction of 1 / index: Brun, Reichert and
     Kuensch, Water Resources Research 37 (2001) 1015.
+
+    Args:
+        restricted: optimum without the key.
+        full: optimum with it.
     """
     derivative = full.jacobian[:, -1]
     remainder = derivative + restricted.jacobian @ restricted.compensation(derivative)
@@ -266,7 +288,7 @@ def collinearity(restricted: Optimum, full: Optimum) -> float:
 
 
 def _candidate(restricted: Optimum, full: Optimum, p_value: float) -> Candidate:
-    """Describe a released candidate."""
+    """Return a candidate from the optima without and with it."""
     data, key, values = full.problem.rig.data, full.problem.keys[-1], full.problem.values(full.point)
     sums = _sums_of_squares(restricted), _sums_of_squares(full)
     noise = np.where(data.estimated, sums[1][0] / data.counted.sum(axis=0), 1.0)

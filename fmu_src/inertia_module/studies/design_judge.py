@@ -55,7 +55,7 @@ class Judge:
         """
         return max(self.violations(row, margin)) <= 0.0
 
-    def beyond(self, row: Row) -> float:
+    def total_violation(self, row: Row) -> float:
         """Return the sum of all violations of a row; 0 if it satisfies all limits.
 
         Args:
@@ -94,7 +94,7 @@ class Judge:
         sign = {"least": 1.0, "greatest": -1.0}
         return [sign[goal] * row.metrics.get(name, 0.0) for name, goal in self.spec.goals.items()]
 
-    def better(self, row: Row, others: Iterable[Row]) -> Row | None:
+    def dominating_row(self, row: Row, others: Iterable[Row]) -> Row | None:
         """Return the best other row that satisfies all limits and dominates a row; None if there is none.
 
         Args:

@@ -42,7 +42,7 @@ class Finalist(ByContent):
     doubts: dict[str, str]
 
 
-def doubts_of(scene: Scene, metrics: Mapping[str, float], speed: float) -> dict[str, str]:
+def caveats_of(scene: Scene, metrics: Mapping[str, float], speed: float) -> dict[str, str]:
     """Return caveats of a design that satisfies its limits: a sentence by short name.
 
     Args:
@@ -137,7 +137,7 @@ class DesignResult(ByContent):
         # Without a valid design the closest one is described: a verified design if there is any.
         rows = [finalist.checked for finalist in self.chosen or finalists]
         rows = rows or [row for row in self.rows if not row.refused]
-        row = rows[0] if self.chosen else min(rows, key=self.judge.beyond)
+        row = rows[0] if self.chosen else min(rows, key=self.judge.total_violation)
         limit = self.judge.tightest(row, self.rows)
         if self.chosen:
             first = self.chosen[0].file.stem.replace("_", " ")

@@ -21,9 +21,9 @@ from ..scene.quantity import Quantity
 from ..scene.reading import scene_text
 from ..scene.run import SceneRunner
 from ..scene.vehicle_metrics import TIME_TO
-from .axes import Point, of_shares
+from .axes import Point, points_at
 from .design_judge import Judge
-from .design_result import DesignResult, Finalist, doubts_of
+from .design_result import DesignResult, Finalist, caveats_of
 from .design_specification import Spec, read_spec, text_of
 from .evaluation import Evaluator, Metrics, MetricsOf, Row, Task, summary_of, write_tables
 from .search import DesignSearch, population
@@ -37,7 +37,8 @@ def metrics_of_designs(settings: dict[str, Any], runner: SceneRunner) -> Metrics
     """Return a function from a point with a LEVEL to the metrics of a specification, as Task.prepare.
 
     Args:
-        settings: "tables" of the scene, "named" as in Spec, and "runs", True if metrics require a run.
+        settings: "tables" of the scene, "steady_demands" as in Spec, and "runs", True if metrics require
+            a run.
         runner: Runner of scenes.
     """
     # A deprecated method would add a warning, which here means a mechanism that cannot be built.
@@ -51,7 +52,7 @@ def metrics_of_designs(settings: dict[str, Any], runner: SceneRunner) -> Metrics
             raise ParameterError("; ".join(warnings))
         metrics = {
             name: Quantity(float(STEADY_METRICS[name].value(mechanism, *at)), STEADY_METRICS[name].unit)
-            for name, at in settings["named"].items()
+            for name, at in settings["steady_demands"].items()
         }
         return metrics | summary_of(runner, scene) if settings["runs"] else metrics
 
@@ -88,8 +89,8 @@ def design(
         library(name, "studies")
     specification, name = (spec, "spec") if isinstance(spec, Spec) else (read_spec(spec), Path(spec).stem)
     base, levels = specification.with_keys({}), (specification.search.fidelity, specification.search.check)
-    runs = len(specification.named) < len(specification.metrics)
-    settings = {"tables": base.tables, "named": specification.named, "runs": runs}
+    runs = len(specification.steady_demands) < len(specification.metrics)
+    settings = {"tables": base.tables, "steady_demands": specification.steady_demands, "runs": runs}
     task = Task(fmu_content(fmu), settings, metrics_of_designs)
     folder = OUTPUT_FOLDER / f"{name}_design" if output is None else Path(output)
     with Evaluator(task, folder, scheduler, workers) as evaluator:
@@ -98,7 +99,7 @@ def design(
             rows = evaluator([{**point, LEVEL: level} for point in points])
             return [row._replace(point=point) for row, point in zip(rows, points, strict=True)]
 
-        rows = evaluate(of_shares(specification.axes, population(specification, specification.search.seed)))
+        rows = evaluate(points_at(specification.axes, population(specification, specification.search.seed)))
         units = {axis.name: axis.unit for axis in specification.axes} | evaluator.units
         names = [*(name for row in rows for name in row.metrics), *STEADY_METRICS]
         if all(row.refused for row in rows):
@@ -111,7 +112,9 @@ def design(
         rows = searched.rows
         valid_rows = [row for row in rows if not row.refused]
         fronts = judge.fronts([row for row in valid_rows if judge.meets(row, specification.search.margin)])
-        selected = _finalists(fronts, specification.search.finalists) or [min(valid_rows, key=judge.beyond)]
+        selected = _finalists(fronts, specification.search.finalists) or [
+            min(valid_rows, key=judge.total_violation)
+        ]
         checked = evaluate([row.point for row in selected], levels[1])
         # verified designs of searches with other seeds in the journal
         own_points = [{**row.point, LEVEL: levels[1]} for row in rows]
@@ -123,8 +126,8 @@ def design(
             title = f"{specification.title}: design {number}"
             scene = base.with_keys({**row.point, "title": title}).with_fidelity(levels[1])
             file = write_text(folder / f"design_{number}.toml", scene_text(scene))
-            doubts = doubts_of(scene, verified.metrics, speed)
-            if better := judge.better(verified, others):
+            doubts = caveats_of(scene, verified.metrics, speed)
+            if better := judge.dominating_row(verified, others):
                 goals = [
                     f"{goal} {text_of(better.metrics[goal], judge.unit(goal))}"
                     for goal in specification.goals

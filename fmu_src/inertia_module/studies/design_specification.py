@@ -15,7 +15,7 @@ from ..common.units import number_of
 from ..interface.variables import ENUMERATIONS, LARGEST_SPEED
 from ..scene import Scene
 from ..scene.keys import Duration, Keys, Strict, quantity
-from ..scene.reading import load_tables
+from ..scene.reading import load_model
 from ..scene.vehicle_metrics import TIME_TO
 from .axes import Axis, axes_of
 from .evaluation import Row
@@ -99,7 +99,7 @@ class Spec(Scene):
         return {name: demand.goal for name, demand in self.metrics.items() if demand.goal is not None}
 
     @property
-    def named(self) -> dict[str, tuple[float, float]]:
+    def steady_demands(self) -> dict[str, tuple[float, float]]:
         """Return speed and ratio of the metrics that require no run of the scene, by name."""
         return {name: (d.speed, d.ratio) for name, d in self.metrics.items() if name in STEADY_METRICS}
 
@@ -123,7 +123,7 @@ class Spec(Scene):
             required_keys = STEADY_METRICS[name].needs if name in STEADY_METRICS else ()
             keys = tuple(key for key in ("speed", "ratio") if key in demand.model_fields_set)
             if keys != required_keys:
-                at_speed = [metric for metric, named in STEADY_METRICS.items() if named.needs]
+                at_speed = [metric for metric, steady in STEADY_METRICS.items() if steady.needs]
                 cause = (
                     "" if name in STEADY_METRICS else f": {unknown('steady-state metric', name, at_speed)}"
                 )
@@ -150,7 +150,7 @@ def read_spec(path: Path | str, keys: Keys | None = None) -> Spec:
     Raises:
         SceneError: The file or a value is invalid.
     """
-    return load_tables(path, keys, lambda tables: Spec)
+    return load_model(path, keys, lambda tables: Spec)
 
 
 def text_of(value: float | str, unit: str = "") -> str:

@@ -163,25 +163,25 @@ class Evaluator(ExitStack):
             raise ParameterError(must_be("workers", "at least 1", workers))
         self.path = writable_folder(folder) / JOURNAL
         self.rows, self.units = dict[str, Row](), dict[str, str]()
-        head = json.dumps({"task": task.identity})
+        header = json.dumps({"task": task.identity})
         exists = self.path.is_file()
-        text = self.path.read_text(encoding="utf-8") if exists else f"{head}\n"
+        text = self.path.read_text(encoding="utf-8") if exists else f"{header}\n"
         first_line, _, results = text.partition("\n")
-        if first_line != head:
+        if first_line != header:
             raise ParameterError(
                 f"{folder} contains results of another scene or version; use another folder or delete"
                 f" {JOURNAL} in it"
             )
         *lines, rest = results.split("\n")  # an interrupted job can leave an incomplete last line
         for line in map(json.loads, lines):
-            self._take(Batch([Row(*row) for row in line["rows"]], line["units"]))
+            self._add(Batch([Row(*row) for row in line["rows"]], line["units"]))
         if rest or not exists:
-            write_atomically(self.path, "\n".join([head, *lines, ""]).encode())
+            write_atomically(self.path, "\n".join([header, *lines, ""]).encode())
         self.task, self.new = task, 0
         self.progress = progress or (lambda share: None)
         self._pool, self._client = (scheduler, workers), None
 
-    def _take(self, batch: Batch) -> None:
+    def _add(self, batch: Batch) -> None:
         self.rows.update({_key(row.point): row for row in batch.rows})
         self.units.update(batch.units)
 
@@ -193,7 +193,7 @@ class Evaluator(ExitStack):
         """
         return list({_key(point): point for point in points if _key(point) not in self.rows}.values())
 
-    def keep(self, batch: Batch) -> None:
+    def add_batch(self, batch: Batch) -> None:
         """Add a batch to the results and to the journal.
 
         Args:
@@ -201,7 +201,7 @@ class Evaluator(ExitStack):
         """
         with naming(self.path), self.path.open("a", encoding="utf-8") as stream:
             stream.write(json.dumps(batch._asdict()) + "\n")
-        self._take(batch)
+        self._add(batch)
 
     def __call__(self, points: Sequence[Point]) -> list[Row]:
         """Return the rows of points, in their order; results in the journal are reused.
@@ -217,7 +217,7 @@ class Evaluator(ExitStack):
                 self._client = self.enter_context(pool(self.task, *self._pool))
             completed = 0
             for batch in evaluations(self._client, self.task.identity, missing):
-                self.keep(batch)
+                self.add_batch(batch)
                 completed += len(batch.rows)
                 self.progress(completed / len(missing))
             self.new += completed
@@ -228,8 +228,8 @@ def _key(point: Point) -> str:
     return json.dumps(point, sort_keys=True)
 
 
-def read(scene: Scene | Path | str) -> tuple[Scene, str]:
-    """Return a scene and the name of its results.
+def scene_and_name(scene: Scene | Path | str) -> tuple[Scene, str]:
+    """Return a scene, read from its file if necessary, and the name of its results.
 
     Args:
         scene: Scene, or path of its file.

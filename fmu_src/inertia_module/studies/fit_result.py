@@ -1,4 +1,4 @@
-"""Result of a fit: numbers, the wording of all verdicts, and files."""
+"""Result of a fit: numbers, the texts of all warnings and notes, and files."""
 
 from __future__ import annotations
 
@@ -42,12 +42,13 @@ class Fitted:
         name: dotted name.
         value: estimate, SI.
         unit: of the value, "" for none.
-        error: its standard error in the linear model, SI; infinite without influence.
-        interval: 95 % interval by profile likelihood, with each plausible candidate released in turn, SI.
+        error: standard error in the linear model, SI; infinite without influence.
+        interval: 95 % interval by profile likelihood, with the plausible candidates released one at a time,
+            SI.
         interval_if_exact: 95 % interval by profile likelihood if everything else is exact, SI.
-        released: candidates whose release sets the ends of the interval.
-        is_excluded: whether a candidate explains the residuals, so that the value does not apply.
-        doubt: a remark on the estimate, or "".
+        released: names of the candidates whose release sets the ends of the interval.
+        is_excluded: True if a candidate explains the residuals, so that the value does not apply.
+        doubt: caveat of the estimate, or "".
     """
 
     name: str
@@ -62,7 +63,7 @@ class Fitted:
 
     @property
     def text(self) -> str:
-        """Value, interval, released candidates and doubt, in a line."""
+        """Line with the value, the interval, the released candidates and the caveat."""
         text, (low, high) = f"{self.value:.6g} {self.unit}".rstrip(), self.interval
         released = f" with {' or '.join(self.released)} released" if self.released else ""
         if self.is_excluded:
@@ -73,17 +74,22 @@ class Fitted:
 
 
 def is_at_end(key: Free, value: float) -> bool:
-    """Return True if a value is at an end of the range of its key."""
+    """Return True if a value is at an end of the range of its key.
+
+    Args:
+        key: the key.
+        value: the value, SI.
+    """
     return key.has_range and min(value - key.low, key.high - value) < END_RTOL * key.size
 
 
 def doubt(key: Free, value: float, is_open: Sequence[bool]) -> str:
-    """Return a remark on a key that is not identifiable or at the end of its range, or "".
+    """Return the caveat of a key that is not identifiable or at the end of its range, or "".
 
     Args:
-        key: with its range.
+        key: key with its range.
         value: estimate, SI.
-        is_open: whether the profile meets no limit, at the lower and at the upper end.
+        is_open: True for the lower, and for the upper end, if the profile reaches no limit there.
     """
     if not any(is_open):
         return ""
@@ -96,20 +102,36 @@ def doubt(key: Free, value: float, is_open: Sequence[bool]) -> str:
 
 
 def unit_remark(name: str, gain: float, unit: str) -> str:
-    """Return a warning on a column, measured over computed by the unfitted scene, and on its unit."""
+    """Return a warning about a column that is probably in another unit.
+
+    Args:
+        name: name of the column.
+        gain: measured values over the values that the unfitted scene computes.
+        unit: probable cause, a clause.
+    """
     return f"{name} is {gain:.3g} times the value that the unfitted scene computes; possible cause: {unit}"
 
 
 def combination_remark(names: Sequence[str], singular: float) -> str:
-    """Return a warning on the keys of the weakest direction and its singular value."""
+    """Return a warning about keys of which only a combination is identifiable.
+
+    Args:
+        names: names of the keys with a component in the weakest direction.
+        singular: singular value of this direction.
+    """
     return (
         f"only a combination of {', '.join(names)} is identifiable: along the weakest direction of the scaled"
-        f" Jacobian (singular value {singular:.2g}) re-fits meet no limit"
+        f" Jacobian (singular value {singular:.2g}) the profiles reach no limit"
     )
 
 
 def scale_remark(free: Sequence[str], scale: Sequence[str]) -> str:
-    """Return a warning if one fixed parameter or none sets the scale of the free ones, else ""."""
+    """Return a warning if only one fixed parameter, or none, sets the scale of the free ones, else "".
+
+    Args:
+        free: names of the free keys that scale with mass.
+        scale: names of the fixed parameters that scale with mass.
+    """
     ratios = f"only ratios of {', '.join(free)} are identifiable:"
     if not scale:
         return f"{ratios} a common factor changes nothing, because no mass, inertia or torque is fixed"
@@ -122,21 +144,22 @@ class FitResult(ByContent):
     """Result of a fit.
 
     Attributes:
-        scene: with the fitted values.
-        parameters: fitted keys.
-        correlations: by pairs of names.
-        measurement: the data.
+        scene: scene with the fitted values.
+        parameters: the fitted keys.
+        correlations: correlations by pairs of names.
+        measurement: the measurement.
         computed: columns of the fitted scene at the measured times, SI.
         noise: standard deviation of each column, SI, RMS.
         estimated: columns whose noise is estimated from the residuals.
         chi_squared: reduced chi-squared.
-        candidates: fixed parameters and sensor errors, released in turn; the most significant first.
-        inseparable: candidates that the data cannot separate from the fitted keys, taken as exact.
-        scale: fixed parameters that set the scale of all masses and torques.
-        remarks: warnings on units, ranges, scale and combinations.
-        searches: number that converged to the optimum, and number of all.
-        runs: of the scene.
-        converged: whether the last search converged.
+        candidates: fixed parameters and sensor errors, released one at a time; the most significant first.
+        inseparable: names of candidates that the data cannot separate from the fitted keys, so they are taken
+            as exact.
+        scale: names of the fixed parameters that set the scale of all masses and torques.
+        remarks: warnings about units, ranges, scale and combinations.
+        searches: number of searches that converged to the optimum, and number of all searches.
+        runs: number of runs of the scene.
+        converged: True if the last search converged.
         files: written files, by kind.
     """
 
@@ -162,19 +185,19 @@ class FitResult(ByContent):
         return f"FitResult({listed(values)})"
 
     def __getitem__(self, name: str) -> Fitted:
-        """Return a fitted key by its dotted name or, of the mechanism, by its bare name."""
+        """Return a fitted key by its dotted name, or by the part of the name after the last dot."""
         return next(
             fitted for fitted in self.parameters if name in (fitted.name, fitted.name.rpartition(".")[2])
         )
 
     @property
     def causes(self) -> list[Candidate]:
-        """Best candidate and those that the data do not exclude; none if that may be chance."""
+        """Best candidate and those that the data do not exclude; none if the best is not significant."""
         return causes(self.candidates)
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings, in sentences."""
+        """Warnings, a sentence each."""
         data = self.measurement
         doubtful = {fitted.name: fitted.doubt for fitted in self.parameters if fitted.doubt}
         lines = [*self.remarks, *(f"{name}: {text}" for name, text in doubtful.items())]
@@ -208,7 +231,7 @@ class FitResult(ByContent):
         return [*lines, *self._cause()]
 
     def _cause(self) -> list[str]:
-        """Return the sentence on the causes."""
+        """Return the warning about the plausible causes, or nothing."""
         if not self.causes:
             return []
         first = self.causes[0]
@@ -226,7 +249,7 @@ class FitResult(ByContent):
         ]
 
     def candidate_lines(self) -> dict[str, str]:
-        """Return a line for each significant candidate and each that sets an end of an interval, by name."""
+        """Return a line for each candidate that is significant or sets an end of an interval, by name."""
         ends = {name for fitted in self.parameters for name in fitted.released}
         printed = [
             candidate
@@ -241,7 +264,7 @@ class FitResult(ByContent):
         return lines
 
     def as_dict(self) -> dict[str, object]:
-        """Return the result for machines; None is unknown."""
+        """Return the result for JSON; None stands for unknown numbers."""
         units = self.measurement.table.units
         content: dict[str, Any] = to_jsonable_python(
             {
@@ -272,7 +295,7 @@ class FitResult(ByContent):
         return content
 
     def lines(self) -> dict[str, str]:
-        """Return the lines of the printed table, by heading."""
+        """Return the texts of the printed table, by heading."""
         lines = {}
         for fitted in self.parameters:
             lines[fitted.name], (low, high) = fitted.text, fitted.interval_if_exact

@@ -1,8 +1,8 @@
 """Weighted least squares over free keys of a scene: the optimum, its Jacobian and its singular values.
 
 SciPy's trust-region reflective method (Branch, Coleman and Li 1999) within the ranges of the keys.
-Noise that is not specified is estimated from the residuals, column by column, and the search is repeated with
-it: iteratively reweighted least squares (Seber and Wild, Nonlinear Regression, 1989, section 2.8).
+Noise that is not specified is estimated from the residuals of each column, and the search is repeated with
+this noise: iteratively reweighted least squares (Seber and Wild, Nonlinear Regression, 1989, section 2.8).
 """
 
 from __future__ import annotations
@@ -21,12 +21,13 @@ from .measurement import Rig, autocorrelation
 
 # iterations of the noise, and its relative change that ends them
 MAX_NOISE_ITERATIONS, NOISE_RTOL = 3, 0.02
-# step of the differences in a first search, and limits of later steps of a standard error; in sizes of a key
+# difference step in a first search, and limits of later steps (one standard error); relative to the size of a
+# key
 SEARCH_STEP, MIN_STEP, MAX_STEP = 1e-3, 1e-5, 0.05
-# relative change of chi-squared and of the keys that ends a search, and a re-fit
+# relative change of chi-squared and of the keys that ends a search, and that ends a re-fit
 SEARCH_RTOL, REFIT_RTOL = 1e-7, 1e-4
 MAX_EVALUATIONS, MAX_REFIT_EVALUATIONS = 100, 12
-# distance from a bound, of the size of a key, at which a key is at the bound
+# maximum distance from a bound at which a key is at the bound, relative to the size of the key
 BOUND_RTOL = 1e-9
 CONFIDENCE = 0.95
 
@@ -73,12 +74,21 @@ class Problem(ByContent):
         return np.append(scaled.T[data.counted.T], priors)
 
     def with_key(self, key: Free) -> Problem:
-        """Return the problem with one more free key, which is the last."""
+        """Return the problem with one more free key.
+
+        Args:
+            key: the key, which becomes the last one.
+        """
         fixed = {name: value for name, value in self.fixed.items() if name != key.name}
         return replace(self, keys=(*self.keys, key), fixed=fixed)
 
     def without_key(self, number: int, value: float) -> Problem:
-        """Return the problem with one of the free keys fixed at a value."""
+        """Return the problem with one of the free keys fixed at a value.
+
+        Args:
+            number: index of the key.
+            value: the value, SI.
+        """
         keys = self.keys[:number] + self.keys[number + 1 :]
         return replace(self, keys=keys, fixed=self.fixed | {self.keys[number].name: value})
 
@@ -95,10 +105,10 @@ class Problem(ByContent):
 
         Args:
             start: values of the keys, shape (keys,).
-            steps: of the differences, in sizes of the keys; one-sided at a bound.
-            central: central differences instead of forward ones.
-            refit: few evaluations to REFIT_RTOL, from a start near the optimum.
-            jacobian: a constant Jacobian instead of differences (chord method), shape (residuals, keys).
+            steps: difference steps relative to the sizes of the keys; differences are one-sided at a bound.
+            central: True for central differences, False for forward differences.
+            refit: True for a few evaluations to REFIT_RTOL, from a start near the optimum.
+            jacobian: constant Jacobian instead of differences (chord method), shape (residuals, keys).
 
         Raises:
             ParameterError: the scene rejects values within the ranges.
@@ -106,7 +116,7 @@ class Problem(ByContent):
         from scipy.optimize import least_squares
 
         sizes, (low, high) = self.sizes, self.bounds
-        # variables near 2, because steps of SciPy's differences are relative
+        # the variables are near 2, because the difference steps of SciPy are relative to the variables
         origin = np.array([key.start for key in self.keys]) - 2.0 * sizes
         rtol = REFIT_RTOL if refit else SEARCH_RTOL
 
@@ -148,9 +158,9 @@ class Optimum(ByContent):
     Attributes:
         problem: residuals and keys.
         point: values of the keys, shape (keys,).
-        residuals: over noise, shape (residuals,).
-        jacobian: of the residuals, shape (residuals, keys).
-        converged: whether the search ended within its number of evaluations.
+        residuals: residuals over noise, shape (residuals,).
+        jacobian: Jacobian of the residuals, shape (residuals, keys).
+        converged: True if the search ended within its number of evaluations.
     """
 
     problem: Problem
@@ -182,23 +192,24 @@ class Optimum(ByContent):
 
     @property
     def noise_ratios(self) -> Array:
-        """Estimated over assumed noise of each column; 1 if its noise is specified, shape (columns,)."""
+        """Estimated over assumed noise of each column, shape (columns,); 1 for a specified noise."""
         mean_squares = np.array([part @ part / part.size for part in self.parts[:-1]])
         ratios = np.sqrt(mean_squares * self.residuals.size / self.freedom)
         return np.where(self.problem.rig.data.estimated & (ratios > 0.0), ratios, 1.0)
 
     @cached_property
     def svd(self) -> tuple[Array, Array]:
-        """Singular values and right singular vectors of the Jacobian, its columns scaled by the sizes.
+        """Singular values and right singular vectors of the Jacobian, with columns scaled by the sizes.
 
-        A singular value is the change of the residuals, in noise, along the whole size. The last vector is
-        the weakest direction: Brun, Reichert and Kuensch, Water Resources Research 37 (2001) 1015.
+        A singular value is the change of the residuals over their noise if the keys change by their sizes
+        along the vector. The last vector is the weakest direction: Brun, Reichert and Kuensch, Water
+        Resources Research 37 (2001) 1015.
         """
         return np.linalg.svd(self.jacobian * self.problem.sizes, full_matrices=False)[1:]
 
     @cached_property
     def covariance(self) -> Array:
-        """Covariance of the keys; huge along directions without influence, shape (keys, keys)."""
+        """Covariance of the keys, shape (keys, keys); huge along directions without influence."""
         singular, directions = self.svd
         scaled = directions.T / np.maximum(singular, 1e-9) * self.problem.sizes[:, None]
         return np.asarray(scaled @ scaled.T)
@@ -210,7 +221,7 @@ class Optimum(ByContent):
 
     @property
     def steps(self) -> Array:
-        """Steps of differences of one standard error, in sizes of the keys, shape (keys,)."""
+        """Difference steps of one standard error, relative to the sizes of the keys, shape (keys,)."""
         alone = 1.0 / np.maximum(np.linalg.norm(self.jacobian * self.problem.sizes, axis=0), 1e-9)
         return np.asarray(np.clip(alone, MIN_STEP, MAX_STEP))
 
@@ -229,13 +240,22 @@ class Optimum(ByContent):
         return {(self.problem.keys[a].name, self.problem.keys[b].name): float(scaled[a, b]) for a, b in pairs}
 
     def compensation(self, change: Array) -> Array:
-        """Return the change of the keys that compensates a change of the residuals best, shape (keys,)."""
+        """Return the change of the keys that best compensates a change of the residuals, shape (keys,).
+
+        Args:
+            change: change of the residuals, shape (residuals,).
+        """
         sizes = self.problem.sizes
         scaled = np.linalg.lstsq(self.jacobian * sizes, -change, rcond=1e-10)[0]
         return np.asarray(sizes * scaled)
 
     def without_key(self, number: int, value: float) -> Optimum:
-        """Return the optimum with one of the keys fixed at a value."""
+        """Return the optimum with one of the keys fixed at a value.
+
+        Args:
+            number: index of the key.
+            value: the value, SI.
+        """
         return replace(
             self,
             problem=self.problem.without_key(number, value),
@@ -244,7 +264,7 @@ class Optimum(ByContent):
         )
 
     def with_estimated_noise(self) -> Optimum:
-        """Search again with the noise of the residuals until it stays, by central differences."""
+        """Return the optimum of searches with estimated noise, repeated until the estimate is constant."""
         optimum = self
         for _ in range(MAX_NOISE_ITERATIONS):
             ratios = optimum.noise_ratios

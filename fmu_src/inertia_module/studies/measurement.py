@@ -1,4 +1,4 @@
-"""Measurement: columns over time with their noise, and the same columns of a scene, as its sensors show them.
+"""Measurement: columns over time with their noise, and the readings of the same sensors in a simulated scene.
 
 The loop keeps its communication step, because controllers sample at it. The FMU stops within a step at each
 measured time. Its outputs are read there, because interpolation would smooth the jumps at the freewheels.
@@ -31,21 +31,21 @@ from .axes import Free
 # suffix of the column with the standard deviations of another column
 NOISE = "_noise"
 MEAN, PEAK = "_mean", "_peak"
-# outputs that can be compared; the ripple of a step is no sum or peak of its parts
+# outputs that can be compared; torque_ripple cannot, because it does not follow from the parts of a step
 READABLE = [name for name in COMPUTED if name != "torque_ripple"]
-# resolution of times, per communication step
+# number of ticks, the resolution of times, per communication step
 TICKS = 10_000_000
 # keys of a sensor: measured = gain * computed(time - shift) + offset
 OFFSET, GAIN, SHIFT = "offset", "gain", "shift"
 # shift of all columns
 CLOCK = f"{SHIFT}.time"
-# largest shift, of the measured time
+# maximum shift, as a fraction of the measured time
 MAX_SHIFT = 0.1
 # standard deviations beyond which a statistic is not by chance
 N_DEVIATIONS = 4.0
-# lag-1 autocorrelation that the noise of a sensor may have
+# maximum lag-1 autocorrelation of the noise of a sensor
 SENSOR_AUTOCORRELATION = 0.2
-# relative accuracy with which a gain is the factor of another unit
+# maximum relative difference between a gain and the factor of another unit
 UNIT_RTOL = 0.15
 # units of logger files besides SI
 UNITS = ("rpm", "deg/s", "rev/s", "km/h", "deg", "rev", "mm", "kN", "kNm", "kJ", "kW")
@@ -54,7 +54,7 @@ Array = NDArray[np.float64]
 
 
 def autocorrelation(residuals: Array) -> float:
-    """Return the lag-1 autocorrelation about the mean, 0 if the residuals are constant."""
+    """Return the lag-1 autocorrelation about the mean; 0 if the residuals are constant."""
     centred = residuals - residuals.mean()
     return float(np.sum(centred[1:] * centred[:-1]) / np.sum(centred**2)) if np.ptp(residuals) else 0.0
 
@@ -67,8 +67,9 @@ class Measurement(ByContent):
         table: compared columns over time, SI.
         headings: unit of each column in the file.
         noise: standard deviations of the columns whose noise is specified, shape (rows,) each.
-        counted: whether a value is compared, shape (rows, columns). The first value of a mean is not, because
-            the start of its interval is unknown. A mean or peak over no time is not either.
+        counted: True for the compared values, shape (rows, columns). The first value of a mean is not
+            compared, because the start of its interval is unknown. A mean or peak over no time is not
+            compared either.
         unused: columns of a file that the scene does not compute.
     """
 
@@ -100,7 +101,7 @@ class Measurement(ByContent):
 
     @property
     def max_autocorrelation(self) -> float:
-        """Largest lag-1 autocorrelation of residuals that are not systematic."""
+        """Maximum lag-1 autocorrelation of residuals that are not systematic."""
         return max(SENSOR_AUTOCORRELATION, N_DEVIATIONS / math.sqrt(len(self.table)))
 
     @functools.cached_property
@@ -109,20 +110,20 @@ class Measurement(ByContent):
         times = self.table.time
         lengths = np.diff(np.unique(times))
         row = float(np.median(lengths)) if lengths.size else 1e-3
-        late = max(MAX_SHIFT * float(np.ptp(times)), row)
-        rows = [(CLOCK, "s", 0.0, row, late)]
+        max_shift = max(MAX_SHIFT * float(np.ptp(times)), row)
+        rows = [(CLOCK, "s", 0.0, row, max_shift)]
         for name in self.columns:
             size = float(np.std(self.table[name])) or 1.0
             rows.append((f"{OFFSET}.{name}", self.table.units[name], 0.0, size, math.inf))
             rows.append((f"{GAIN}.{name}", "", 1.0, 1.0, math.inf))
-            rows.append((f"{SHIFT}.{name}", "s", 0.0, row, late))
+            rows.append((f"{SHIFT}.{name}", "s", 0.0, row, max_shift))
         return {
             name: Free(name, unit, ideal - reach, ideal + reach, start=ideal, nominal=ideal, size=size)
             for name, unit, ideal, size, reach in rows
         }
 
     def unit_hint(self, column: str, gain: float) -> str:
-        """Return a sentence if measured over computed of a column suggests another unit, else ""."""
+        """Return a clause if a gain, measured over computed values, suggests another unit, else ""."""
         heading, ratios = self.headings[column], dict[str, float]()
         for other in (self.table.units[column], *UNITS):
             with contextlib.suppress(ValueError):  # unit of another quantity
@@ -140,13 +141,13 @@ def measurement(measured: Result | Path | str, scene: Scene, columns: Sequence[s
 
     Args:
         measured: table, or CSV file with a heading row and units in brackets if they are not SI.
-        scene: computes the columns.
+        scene: scene that computes the columns.
         columns: names of the compared columns; by default all except the inputs of the module.
 
     Raises:
         TableError: the file is no table over time, or a unit is of another quantity.
-        ParameterError: the scene does not compute a column, the time is outside the run, or a noise is not
-            above 0.
+        ParameterError: the scene does not compute a column, the time is outside the run, or a standard
+            deviation is not above 0.
     """
     table = measured if isinstance(measured, Result) else Result.from_csv(measured)
     compared, unused = _compared(table, scene, columns)
@@ -184,28 +185,28 @@ def _names(table: Result) -> list[str]:
 
 def _compared(table: Result, scene: Scene, columns: Sequence[str]) -> tuple[list[str], list[str]]:
     """Return the columns of a measurement that are compared, and those that the scene does not compute."""
-    known = [*READABLE, *(name for name in scene.surroundings.output_labels if name not in READABLE)]
+    computed_names = [*READABLE, *(name for name in scene.surroundings.output_labels if name not in READABLE)]
     names = _names(table)
     values = [name for name in names if not (name.endswith(NOISE) or name in PLANT_INPUTS)]
-    compared = [*columns] or [name for name in values if name in known or table.origin is None]
+    compared = [*columns] or [name for name in values if name in computed_names or table.origin is None]
     for name in compared if compared else values:
-        if name not in known:
-            raise ParameterError(unknown("output of the scene", name, known))
+        if name not in computed_names:
+            raise ParameterError(unknown("output of the scene", name, computed_names))
     if not compared:
         raise ParameterError(must_be("at least one column", "computed by the scene", ", ".join(table.names)))
     for name in names:
         value = name.removesuffix(NOISE)
-        if value not in (name, *names) and (table.origin is None or value in known):
+        if value not in (name, *names) and (table.origin is None or value in computed_names):
             raise ParameterError(f"column {name} requires a column {value}")
-    return compared, [name for name in values if name not in known]
+    return compared, [name for name in values if name not in computed_names]
 
 
 class Rig(SceneRunner):
     """Runs of a scene whose outputs are read at the times of a measurement, also within communication steps.
 
     Attributes:
-        scene: without values of free keys.
-        data: measurement.
+        scene: scene without values of free keys.
+        data: the measurement.
         runs: number of runs so far.
         rejection: reason of the last rejected run, or "".
     """
@@ -217,7 +218,7 @@ class Rig(SceneRunner):
         self._read = tuple(name for name in data.columns if name not in signals)
 
     def computed(self, values: Mapping[str, float]) -> Array:
-        """Return the columns as the sensors show them, SI, shape (rows, columns); NaN if the run is rejected.
+        """Return the readings of the sensors, SI, shape (rows, columns); NaN if the run is rejected.
 
         Args:
             values: values of keys of the scene and of sensors, SI, by name.
@@ -227,8 +228,8 @@ class Rig(SceneRunner):
             return np.array([values.get(f"{kind}.{name}", ideal) for name in self.data.columns])
 
         keys = {name: value for name, value in values.items() if name not in self.data.sensors}
-        late = of_sensors(SHIFT, 0.0) + values.get(CLOCK, 0.0)
-        times = np.maximum(self.data.table.time[:, None] - late, 0.0)
+        shifts = of_sensors(SHIFT, 0.0) + values.get(CLOCK, 0.0)
+        times = np.maximum(self.data.table.time[:, None] - shifts, 0.0)
         self.runs += 1
         try:
             ideal = self._columns(self.scene.with_keys(keys), times)
@@ -241,14 +242,18 @@ class Rig(SceneRunner):
         """Return the columns of a scene, each at its times, s, shape (rows, columns)."""
         step = scene.run.communication_step
         ticks = np.rint(times * (TICKS / step)).astype(np.int64)
-        off = ticks % TICKS != 0
-        if off.any() and scene.parameters().get("input_hold"):
+        is_within_step = ticks % TICKS != 0
+        if is_within_step.any() and scene.parameters().get("input_hold"):
             allowed = f"a multiple of run.communication_step = {step:g} s"
-            time = f"{times[off][0]:g} s"
+            time = f"{times[is_within_step][0]:g} s"
             raise ParameterError(must_be("with mechanism.input_hold = 'linear' each time", allowed, time))
         points = TICKS * np.arange(max(-(-int(ticks.max()) // TICKS), 1) + 1)
         stops = np.union1d(ticks, points)
-        self._stops, self._points, self._taken = stops * (step / TICKS), np.searchsorted(stops, points), 0
+        self._stops, self._points, self._steps_taken = (
+            stops * (step / TICKS),
+            np.searchsorted(stops, points),
+            0,
+        )
         self._rows = np.empty((stops.size, len(self._read)))
         loop = ClosedLoop(self.started(scene), scene.surroundings, (), scene.signal_units)
         record = loop.run(step * (points.size - 1))
@@ -261,20 +266,20 @@ class Rig(SceneRunner):
         return columns
 
     def take_steps(
-        self, lengths: Array, inputs: Sequence[str], given: Array, outputs: Sequence[str], rows: Array
+        self, lengths: Array, inputs: Sequence[str], input_rows: Array, outputs: Sequence[str], rows: Array
     ) -> None:
-        """Take communication steps that stop at each time of the measurement: see Plant."""
-        points = self._points[self._taken : self._taken + lengths.size + 1]
-        self._taken += lengths.size
+        """Take communication steps that stop at each time of the measurement; for the arguments see Plant."""
+        points = self._points[self._steps_taken : self._steps_taken + lengths.size + 1]
+        self._steps_taken += lengths.size
         part, names = slice(points[0], points[-1] + 1), (*outputs, *self._read)
         stops, values = self._stops[part], np.empty((points[-1] + 1 - points[0], len(names)))
-        constant = np.repeat(given, np.diff(points), axis=0)
+        constant = np.repeat(input_rows, np.diff(points), axis=0)
         super().take_steps(np.diff(stops), inputs, constant, names, values)
         rows[:] = values[points - points[0], : len(outputs)]
         self._rows[part] = values[:, len(outputs) :]
 
     def _column(self, name: str, at: NDArray[np.int64]) -> Array:
-        """Return values at some stops; a mean or peak covers the time since the previous row."""
+        """Return the values of an output at stops; a mean or peak covers the time since the previous stop."""
         values = self._rows[:, self._read.index(name)]
         ends, order = np.unique(at, return_inverse=True)
         column = values[ends]

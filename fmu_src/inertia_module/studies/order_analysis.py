@@ -23,8 +23,8 @@ from ..interface.variables import BY_NAME
 from ..kernel.codes import AVERAGED, DRIVE_SPEED
 from ..model import Module
 from ..scene import Scene
-from ..scene.run import start_of
-from .evaluation import read
+from ..scene.run import initial_values
+from .evaluation import scene_and_name
 from .order_lines import ALIASED_HARMONIC, ROUNDING, Array
 from .order_result import BASES, DRIVE, LINK1, Orders
 from .order_spectra import POINTS_PER_CYCLE, rounding, spectra
@@ -83,7 +83,7 @@ def orders(
     """
     if of not in BASES:
         raise ParameterError(must_be("of (reference angle)", " or ".join(BASES), repr(of)))
-    scene, _ = read(scene)
+    scene, _ = scene_and_name(scene)
     if scene.parameters().get("fidelity") == AVERAGED:
         demand = must_be("fidelity", "kinematic, rigid or elastic for orders", "averaged")
         raise ParameterError(f"{demand}: this fidelity level has no pulses")
@@ -143,7 +143,7 @@ def _sampling(scene: Scene, table: Result, of: str, highest: float | None) -> _S
     Raises:
         ParameterError: The maximum order is not positive.
     """
-    rate, pinion_rate = (_fastest(table, base) for base in (of, DRIVE))
+    rate, pinion_rate = (_maximum_rate(table, base) for base in (of, DRIVE))
     module = Module("plain")
     module.check(**scene.parameters())
     d = module.derived
@@ -156,7 +156,7 @@ def _sampling(scene: Scene, table: Result, of: str, highest: float | None) -> _S
     return _Sampling(limit, 1.0 / sampling if sampling > 0.0 else math.inf)
 
 
-def _fastest(table: Result, of: str) -> float:
+def _maximum_rate(table: Result, of: str) -> float:
     """Return the maximum number of revolutions per second between two rows."""
     return float(np.abs(np.diff(_revolutions(table, of)) / np.diff(table.time)).max())
 
@@ -186,7 +186,7 @@ class _Recorder(NamedTuple):
         """
         step = self.scene.run.communication_step
         stop = min(self.scene.run.stop_time, math.ceil(self.last / step - ROUNDING) * step)
-        values, inputs = start_of(self.scene)
+        values, inputs = initial_values(self.scene)
         with Fmu(self.fmu, values, inputs, stop_time=stop) as instance:
             loop = ClosedLoop(
                 instance, self.scene.surroundings, self.scene.run.outputs, self.scene.signal_units

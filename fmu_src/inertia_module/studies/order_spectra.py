@@ -34,7 +34,7 @@ TURNS, MIN_TURNS = 32.0, 4.0
 
 def spectra(
     table: Result,
-    turned: Array,
+    revolutions: Array,
     names: Sequence[str],
     of: str = LINK1,
     highest: float | None = None,
@@ -45,18 +45,19 @@ def spectra(
 
     Args:
         table: Record of the signals and input_speed, r rows.
-        turned: Revolutions up to each row, increasing, shape (r,).
+        revolutions: Revolutions up to each row, increasing, shape (r,).
         names: Names of the signals.
-        of: Reference angle of turned, LINK1 or DRIVE.
+        of: Reference angle of revolutions, LINK1 or DRIVE.
         highest: Maximum order; None for the maximum that the rows resolve.
         turns: Revolutions in a window; None for a quarter of all revolutions, between MIN_TURNS and TURNS.
             Windows overlap by half.
         drive: Revolutions of the pinion shaft up to each row, for lines that shift with it.
 
     Raises:
-        ParameterError: turned does not increase or is too short for a window, or the rows are too far apart.
+        ParameterError: revolutions do not increase or are too few for a window, or the rows are too
+            far apart.
     """
-    steps, all_turns = np.diff(turned), float(turned[-1] - turned[0])
+    steps, all_turns = np.diff(revolutions), float(revolutions[-1] - revolutions[0])
     constant_rows = np.flatnonzero(steps <= 0.0)
     if constant_rows.size:
         at = f"constant or decreasing at {table.time[constant_rows[0]]:g} s"
@@ -79,19 +80,20 @@ def spectra(
     options |= {"nfft": PADDING * size, "detrend": "linear", "scaling": "spectrum"}
     spectrum = {}
     for name in names:
-        values = CubicSpline(turned - turned[0], table[name])(angle)
-        order, middle, half = signal.spectrogram(values, mode="complex", **options)
+        values = CubicSpline(revolutions - revolutions[0], table[name])(angle)
+        order, middle, half_amplitudes = signal.spectrogram(values, mode="complex", **options)
         order = order[order <= limit + HALF_LOBE / per_window]
         edges = middle[:, None] + 0.5 * size / samples * np.array([-1.0, 0.0, 1.0])
-        # Half of a line is at its negative order. Phases refer to angle 0, not to the start of the window.
-        amplitudes = np.where(order > 0.0, 2.0, math.sqrt(2.0)) * half.T[:, : order.size]
-        amplitudes *= np.exp(-2j * math.pi * (turned[0] + edges[:, :1]) * order)
+        # Half of the amplitude of a line is at its negative order.
+        # Phases refer to angle 0, not to the start of the window.
+        amplitudes = np.where(order > 0.0, 2.0, math.sqrt(2.0)) * half_amplitudes.T[:, : order.size]
+        amplitudes *= np.exp(-2j * math.pi * (revolutions[0] + edges[:, :1]) * order)
         amplitudes[np.abs(amplitudes) < rounding(table, name)] = 0.0
         spectrum[name] = amplitudes
-    begin, time, end = np.interp(edges, turned - turned[0], table.time).T
+    begin, time, end = np.interp(edges, revolutions - revolutions[0], table.time).T
     link1_angle = cumulative_trapezoid(table["input_speed"], table.time, initial=0.0)
     angles = np.interp([begin, end], table.time, link1_angle)
-    driven = np.interp([begin, end], table.time, turned if drive is None else drive)
+    pinion_revolutions = np.interp([begin, end], table.time, revolutions if drive is None else drive)
     return Orders(
         of=of,
         turns=per_window,
@@ -99,7 +101,7 @@ def spectra(
         time=time,
         speed=(angles[1] - angles[0]) / (end - begin),
         rate=size / samples / (end - begin),
-        ratio=(driven[1] - driven[0]) * samples / size,
+        ratio=(pinion_revolutions[1] - pinion_revolutions[0]) * samples / size,
         spectrum=spectrum,
         units={name: table.units.get(name, "") for name in names},
         highest=limit,

@@ -1,4 +1,4 @@
-"""Fit: values of keys of a scene for which it computes a measurement, with intervals and candidate causes.
+"""Fit: values of keys for which a scene reproduces a measurement, with intervals and candidate causes.
 
 Least squares from several starts (least_squares), intervals by profile likelihood (profile_likelihood) and
 F-tests of released parameters (candidates).
@@ -21,9 +21,9 @@ from ..common.units import has_mass
 from ..fmi.instance import fmu_file
 from ..fmi.simulate import Result
 from ..scene import Scene
-from .axes import Free, Point, free_keys, of_shares, shares_sampled
+from .axes import Free, Point, free_keys, points_at, sample_shares
 from .candidates import Candidate, candidate_keys, causes, release_candidates
-from .evaluation import read
+from .evaluation import scene_and_name
 from .fit_result import (
     NO_INFLUENCE,
     SYSTEMATIC,
@@ -39,19 +39,19 @@ from .least_squares import Optimum, Problem
 from .measurement import Measurement, Rig, measurement
 from .profile_likelihood import End, profile_end
 
-# best start points from which a search begins
+# number of start points, the best ones, from which a search begins
 N_SEARCHES = 3
-# change of the residuals along the whole size of a key, in noise, that is no influence
+# minimum change of the residuals, relative to their noise, by a key with influence that changes by its size
 MIN_INFLUENCE = 1e-2
-# values of a column that are necessary to estimate its noise, besides one per free key
+# minimum number of values of a column to estimate its noise, in addition to one per free key
 N_FREE_VALUES = 2
-# decrease of chi-squared in a profile after which the search is repeated from there, and repetitions
+# decrease of chi-squared in a profile after which the search is repeated from its point; maximum repetitions
 NEW_OPTIMUM, MAX_RESTARTS = 1.0, 2
-# models whose profile is computed for an end of an interval
+# maximum number of models whose profile is computed for an end of an interval
 MAX_PROFILES = 4
-# components of the weakest direction that are named
+# minimum component, in the weakest direction, of a key that a warning lists
 MIN_COMPONENT = 0.1
-# factor by which the scale of all masses and torques is tested, and the change in noise that is none
+# factor on all masses and torques, and the change of the residuals over their noise that counts as none
 SCALE_FACTOR, MAX_SCALE_CHANGE = 1.1, 1.0
 
 
@@ -70,28 +70,27 @@ def fit(
     """Fit keys of a scene to a measurement; write the fitted scene, the residuals and the numbers.
 
     Args:
-        measured: table, or CSV file; see measurement.
-        scene: scene, or its file.
-        free: ranges by name: "LOW:HIGH", (low, high), "log:LOW:HIGH", with prior knowledge
-            "VALUE +- DEVIATION", or None for a search from the value in the scene. A name is a dotted key of
-            the scene, a parameter of the mechanism, or "offset.COLUMN", "gain.COLUMN" or "shift.COLUMN" (s,
-            positive if late) of a sensor; "shift.time" is for all columns. A deviation of 0 declares the
-            value exact.
-        columns: names of the compared columns; by default all that the scene computes.
-        starts: points of the ranges (Latin hypercube) that are compared besides the values of the scene. The
-            best N_SEARCHES of them start a search.
-        seed: of these points; the same seed gives the same result.
-        output: folder, by default out/SCENE_fit.
-        fmu: FMU file, by default the current one.
-        progress: called with the share that is done.
+        measured: table, or path of a CSV file with a row of headings, units in brackets.
+        scene: scene, or path of its file.
+        free: ranges by name: "LOW:HIGH", (low, high), "log:LOW:HIGH", the prior value "VALUE +- DEVIATION",
+            or None for a search from the value in the scene. A name is a dotted key of the scene, a parameter
+            of the mechanism, or "offset.COLUMN", "gain.COLUMN" or "shift.COLUMN" (s, positive if late) of a
+            sensor; "shift.time" shifts all columns. A deviation of 0 declares the value exact.
+        columns: names of the compared columns; by default all columns that the scene computes.
+        starts: number of start points in the ranges (Latin hypercube), in addition to the values of the
+            scene. A search begins at each of the best three.
+        seed: random seed of the start points; equal seeds give equal results.
+        output: output folder; None for out/SCENE_fit.
+        fmu: FMU file; None for current_fmu().
+        progress: function that receives the completed share, 0 to 1.
 
     Raises:
         ParameterError: scene, measurement or free keys are invalid, the measurement has too few values, no
-            free key has an influence, or the scene rejects all values; in one sentence.
+            free key has an influence, or the scene rejects all values.
         MissingDependencyError: the extra ``studies`` is not installed.
     """
     library("tomli_w", "studies")
-    base, title = read(scene)
+    base, title = scene_and_name(scene)
     data = measurement(measured, base, columns)
     keys = free_keys(free, base, data.sensors)
     if not any(key.deviation for key in keys):
@@ -128,7 +127,7 @@ def _exact(keys: Sequence[Free]) -> dict[str, float]:
 
 
 def _unit_remarks(rig: Rig, keys: Sequence[Free]) -> list[str]:
-    """Return warnings on columns whose ratio to the scene, as it is, is the factor of another unit."""
+    """Return warnings about columns whose ratio to the unfitted scene is the factor of another unit."""
     computed, data = rig.computed(_exact(keys)), rig.data
     gains = np.sum(data.values * computed, axis=0) / np.maximum(np.sum(computed**2, axis=0), 1e-300)
     hints = [(name, gain, data.unit_hint(name, gain)) for name, gain in zip(data.columns, gains, strict=True)]
@@ -136,7 +135,7 @@ def _unit_remarks(rig: Rig, keys: Sequence[Free]) -> list[str]:
 
 
 def _problem(rig: Rig, keys: Sequence[Free]) -> Problem:
-    """Return the problem of the free keys; noise that is not specified is the scatter of its column."""
+    """Return the problem of the free keys; a noise that is not specified is the scatter of its column."""
     data, exact = rig.data, _exact(keys)
     scatter = np.where(np.ptp(data.values, axis=0) > 0.0, data.values.std(axis=0), 1.0)
     noise = np.tile(scatter, (len(data.table), 1))
@@ -151,7 +150,7 @@ def _search(problem: Problem, starts: int, seed: int, progress: Progress) -> lis
     keys = problem.keys
     places: list[Point] = [{key.name: key.start for key in keys}]
     if starts and any(key.has_range for key in keys):
-        places += of_shares(keys, shares_sampled(len(keys), f"latin:{starts}", seed))
+        places += points_at(keys, sample_shares(len(keys), f"latin:{starts}", seed))
     points = np.array([list(place.values()) for place in places], dtype=float)
     chi_squared = []
     for n, point in enumerate(points):
@@ -170,7 +169,7 @@ def _search(problem: Problem, starts: int, seed: int, progress: Progress) -> lis
 
 
 def _influential(optimum: Optimum) -> Optimum:
-    """Return the optimum with keys without influence fixed at their starts."""
+    """Return the optimum in which the keys without influence are fixed at their start values."""
     keys = optimum.problem.keys
     changes = np.linalg.norm(optimum.jacobian, axis=0) * optimum.problem.sizes / optimum.noise_ratios.max()
     if not (changes >= MIN_INFLUENCE).any():
@@ -184,7 +183,11 @@ def _influential(optimum: Optimum) -> Optimum:
 
 
 def _profiles(optimum: Optimum, progress: Progress) -> tuple[Optimum, list[tuple[End, End]]]:
-    """Find the profile ends of all keys; a profile that finds a better optimum repeats the search there."""
+    """Compute the profile ends of all keys; repeat the search from a better optimum on a profile.
+
+    Returns:
+        The optimum, and the lower and upper end of each key.
+    """
     for _ in range(MAX_RESTARTS + 1):
         ends = []
         for number in range(optimum.point.size):
@@ -198,13 +201,13 @@ def _profiles(optimum: Optimum, progress: Progress) -> tuple[Optimum, list[tuple
 
 
 def _scale(optimum: Optimum, fixed: Mapping[str, float]) -> tuple[list[str], str]:
-    """Find the fixed parameters that set the scale of masses and torques.
+    """Return the fixed parameters that set the scale of masses and torques.
 
     A common factor of all quantities with kg in their unit is a null direction of the Jacobian if only motion
     is measured. One run with the factor confirms it.
 
     Args:
-        optimum: of the fit.
+        optimum: optimum of the fit.
         fixed: values of fixed parameters with kg in their unit and with an influence, SI, by name.
 
     Returns:
@@ -221,7 +224,7 @@ def _scale(optimum: Optimum, fixed: Mapping[str, float]) -> tuple[list[str], str
 
 
 def _combination(optimum: Optimum, ends: Sequence[tuple[End, End]]) -> str:
-    """Return a warning on the weakest direction of the Jacobian if re-fits along it meet no limit, or ""."""
+    """Return a warning about the weakest direction if profiles along it have no limit, or ""."""
     singular, directions = optimum.svd
     along = np.flatnonzero(np.abs(directions[-1]) > MIN_COMPONENT).tolist()
     if len(along) < 2 or not any(end.open for n in along for end in ends[n]):
@@ -283,10 +286,10 @@ def _fitted(best: Optimum, number: int, ends: tuple[End, End], candidates: Seque
     The first interval is the envelope of the profiles of several models (discrete profiling): Dauncey,
     Kenzie, Wardle and Davies, Journal of Instrumentation 10 (2015) P04015.
     """
-    key, value, named = best.problem.keys[number], float(best.point[number]), causes(candidates)
-    is_systematic = named[0].is_systematic if named else best.is_systematic
-    is_explained = bool(named) and not is_systematic
-    models = [model for model in (named if is_explained else candidates) if model.is_separable]
+    key, value, plausible_causes = best.problem.keys[number], float(best.point[number]), causes(candidates)
+    is_systematic = plausible_causes[0].is_systematic if plausible_causes else best.is_systematic
+    is_explained = bool(plausible_causes) and not is_systematic
+    models = [model for model in (plausible_causes if is_explained else candidates) if model.is_separable]
     envelope = [("", end) for end in ends]
     is_open = [end.open for end in ends]
     if is_explained or not any(is_open):
@@ -310,18 +313,18 @@ def _fitted(best: Optimum, number: int, ends: tuple[End, End], candidates: Seque
 def _outermost(
     end: End, number: int, side: int, models: Sequence[Candidate], is_excluded: bool
 ) -> tuple[str, End]:
-    """Return the candidate whose release gives the outermost end of an interval, or "", and this end.
+    """Return the outermost end of an interval, and the candidate whose release gives it, or "".
 
     Args:
-        end: without a released candidate.
-        number: place of the key.
+        end: end without a released candidate.
+        number: index of the key.
         side: -1 for the lower, 1 for the upper end.
-        models: candidates; the linear model selects those whose profile is computed.
-        is_excluded: whether the data exclude the model without a released candidate.
+        models: candidates; the linear model selects the candidates whose profiles are computed.
+        is_excluded: True if the data exclude the model without a released candidate.
     """
 
     def linear(model: Candidate) -> float:
-        """Return the end of the interval of the linear model, outwards."""
+        """Return the end of the interval of the linear model times side."""
         optimum = model.optimum
         return float(side * optimum.point[number] + optimum.t_quantile * optimum.deviations[number])
 

@@ -19,9 +19,9 @@ from ..common.terminal import Progress
 from ..fmi.instance import fmu_content
 from ..fmi.results import write_rows
 from ..scene import Scene
-from ..scene.vehicle_metrics import time_to
-from .axes import Axis, axes_of, grid, of_shares, shares_sampled
-from .evaluation import Evaluate, Evaluator, Row, Task, read, summaries, write_tables
+from ..scene.vehicle_metrics import time_to_name
+from .axes import Axis, axes_of, grid, points_at, sample_shares
+from .evaluation import Evaluate, Evaluator, Row, Task, scene_and_name, summaries, write_tables
 
 # maximum relative variation of a constant metric
 CONSTANT_RTOL = 1e-9
@@ -134,14 +134,14 @@ def sweep(
     """
     for library_name in ("distributed", "pyarrow"):
         library(library_name, "studies")
-    base, name = read(scene)
+    base, name = scene_and_name(scene)
     axes = axes_of(vary, base)
     if seed < 0:
         raise ParameterError(must_be("seed", "at least 0", seed))
     if sensitivity is not None and (sensitivity < 2 or sensitivity & (sensitivity - 1)):
         raise ParameterError(must_be("sensitivity", "a power of 2, such as 256", sensitivity))
     if sensitivity is None:
-        points = grid(axes) if sample is None else of_shares(axes, shares_sampled(len(axes), sample, seed))
+        points = grid(axes) if sample is None else points_at(axes, sample_shares(len(axes), sample, seed))
     elif sample is not None:
         raise ParameterError("only one of sample and sensitivity is allowed (got both)")
     tables = {key: table for key, table in base.tables.items() if key not in ("title", "description")}
@@ -177,7 +177,7 @@ def unreached(scene: Scene, rows: Sequence[Row]) -> dict[str, int]:
         scene: The scene.
         rows: Rows of the sweep.
     """
-    names = [time_to(speed) for speed in getattr(scene.load, "times_to", ())]
+    names = [time_to_name(speed) for speed in getattr(scene.load, "times_to", ())]
     counts = {name: sum(name not in row.metrics for row in rows if not row.refused) for name in names}
     return {name: number for name, number in counts.items() if number}
 
@@ -205,7 +205,7 @@ def indices(
 
     def metrics_at(shares: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return metrics, shape (m, points), at fractions of the ranges, shape (axes, points)."""
-        rows = evaluate(of_shares(axes, shares.T))
+        rows = evaluate(points_at(axes, shares.T))
         for row in rows:
             if row.refused:
                 raise ParameterError(

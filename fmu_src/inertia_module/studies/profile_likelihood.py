@@ -1,9 +1,9 @@
-"""Profile likelihood: intervals of free keys by re-fits of the others.
+"""Profile likelihood: the interval of a free key by re-fits of the other free keys.
 
-The profile of a key is the least chi-squared over all other free keys. The interval ends where it exceeds its
-minimum by the squared quantile of Student's t: Bates and Watts, Nonlinear Regression Analysis and Its
-Applications (1988), section 6.1. A profile that stays below this limit up to the end of the range shows that
-the key is not identifiable: Raue et al., Bioinformatics 25 (2009) 1923.
+The profile of a key is the minimum of chi-squared over all other free keys. The interval ends where it
+exceeds its minimum by the squared quantile of Student's t: Bates and Watts, Nonlinear Regression Analysis
+and Its Applications (1988), section 6.1. A profile that stays below this limit up to the end of the range
+shows that the key is not identifiable: Raue et al., Bioinformatics 25 (2009) 1923.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from ..common.errors import InertiaModuleError
 from .axes import Free
 from .least_squares import Array, Optimum
 
-# extrapolations until the profile exceeds its limit, and their largest factor
+# maximum number of extrapolations until the profile exceeds its limit, and their maximum factor
 MAX_EXTRAPOLATIONS, MAX_FACTOR = 10, 4.0
-# distance of the first and of further values over the estimate of the distance of the end
+# distance of an extrapolated value from the estimate, relative to the estimated distance of the end
 MARGIN = 1.1
-# steps of Brent's method
+# maximum number of steps of Brent's method
 MAX_STEPS = 8
-# relative accuracy of the root of the change of chi-squared, and its maximum, in quantiles
+# square root of the change of chi-squared over the quantile: its accuracy, and the maximum that is used
 PROFILE_RTOL, MAX_ROOT = 0.03, 3.0
-# a profile of a key without a range ends at its value and so many of its sizes
+# half width of the profile of a key without a range, relative to its size
 N_SIZES = 3.0
-# distance from an end of its range, of the size of a key, at which a key is at this end
+# maximum distance from an end of its range at which a key is at this end, relative to its size
 END_RTOL = 1e-4
 
 
@@ -36,9 +36,9 @@ class End(NamedTuple):
     """One end of a profile-likelihood interval.
 
     Attributes:
-        value: of the key, SI.
-        open: whether the end of a range, of this or another key, stops the profile below its limit.
-        optimum: least chi-squared of all re-fits, and its point, shape (keys,).
+        value: value of the key, SI.
+        open: True if the end of a range, of this or another key, stops the profile below its limit.
+        optimum: minimum of chi-squared over all re-fits, and its point, shape (keys,).
     """
 
     value: float
@@ -47,7 +47,12 @@ class End(NamedTuple):
 
 
 def limits(key: Free, value: float) -> tuple[float, float]:
-    """Return the ends of the profile of a key: its range or N_SIZES around its value, SI."""
+    """Return the ends of the profile of a key, SI: its range, or N_SIZES sizes around its value.
+
+    Args:
+        key: the key.
+        value: value at the optimum, SI.
+    """
     if key.has_range:
         return key.low, key.high
     reach = N_SIZES * max(key.size, abs(value))
@@ -57,19 +62,20 @@ def limits(key: Free, value: float) -> tuple[float, float]:
 def profile_end(optimum: Optimum, number: int, side: int) -> End:
     """Find one end of the interval of a key.
 
-    The root of the change of chi-squared is nearly linear in the key. It is extrapolated until it exceeds the
-    quantile. Brent's method follows. If it does not converge, the end is the outer end of its bracket.
+    The square root of the change of chi-squared is nearly linear in the key. It is extrapolated until it
+    exceeds the quantile. Brent's method follows. If it does not converge, the end is the outer end of its
+    bracket.
 
     Args:
-        optimum: with the noise by which chi-squared is measured.
-        number: place of the key.
+        optimum: optimum with the noise of the residuals.
+        number: index of the key.
         side: -1 for the lower, 1 for the upper end.
     """
     from scipy.optimize import brentq
 
     problem, centre, quantile = optimum.problem, float(optimum.point[number]), optimum.t_quantile
     (low, high), inside, outside = limits(problem.keys[number], centre), centre, centre
-    # direction along which the other keys follow
+    # direction in which the other keys compensate a change of the key
     follow = optimum.without_key(number, centre).compensation(optimum.jacobian[:, number])
     direction, refits = np.insert(follow, number, 1.0), [(optimum.chi_squared, optimum.point)]
 
@@ -77,18 +83,20 @@ def profile_end(optimum: Optimum, number: int, side: int) -> End:
         return min((point for _, point in refits), key=lambda point: abs(point[number] - value))
 
     def distance(point: Array) -> float:
-        """Return the root of chi-squared, infinite if the scene rejects the point."""
+        """Return the square root of chi-squared, infinite if the scene rejects the point."""
         root = float(np.linalg.norm(problem.residuals(point)))
         return root if math.isfinite(root) else math.inf
 
     @functools.cache
     def excess(value: float) -> float:
-        """Return the root of the change of chi-squared, in quantiles, minus 1."""
+        """Return the square root of the change of chi-squared over the quantile, minus 1."""
         nonlocal outside
         if value == centre:
             return -1.0
-        origins = optimum.point, nearest(value)
-        guesses = [np.clip(one + direction * (value - one[number]), *problem.bounds) for one in origins]
+        guesses = [
+            np.clip(point + direction * (value - point[number]), *problem.bounds)
+            for point in (optimum.point, nearest(value))
+        ]
         guess = min(guesses, key=distance)
         try:
             refit = problem.without_key(number, value).minimise(

@@ -4,9 +4,8 @@ One goal: differential evolution (R. Storn and K. Price, Journal of Global Optim
 Several goals: NSGA-II (K. Deb et al., IEEE Transactions on Evolutionary Computation 6, 2002).
 Polish: COBYLA, linear approximations of goal and limits in a trust region (M. J. D. Powell, 1994), over the
 continuous keys. It is repeated from the neighbours in each integer key while a neighbour is better (extended
-poll: C. Audet and J. E. Dennis, SIAM Journal on Optimization 11, 2001). The spread of the polished designs
-    over
-the seeds shows if the search has converged.
+poll: C. Audet and J. E. Dennis, SIAM Journal on Optimization 11, 2001).
+The search has converged if the polished designs of all seeds nearly agree.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.terminal import Progress
-from .axes import of_shares, shares_sampled
+from .axes import points_at, sample_shares
 from .evaluation import Evaluate, Row
 
 if TYPE_CHECKING:
@@ -34,7 +33,7 @@ Array = NDArray[np.float64]
 MIN_DECREASE = 1e-3
 # maximum relative difference between the best designs of the starts of a converged search
 SPREAD = 0.05
-# first steps of the two passes of a polish, and their last step, as fractions of the ranges
+# first step of each of the two passes of a polish, and their last step, as fractions of the ranges
 POLISH_FIRST, POLISH_LAST = (0.1, 0.03), 1e-3
 # maximum number of evaluations of a pass per free key
 POLISH_EVALUATIONS = 14
@@ -97,7 +96,7 @@ def population(spec: Spec, seed: int) -> Array:
     Returns:
         Latin hypercube, shape (population, axes).
     """
-    return shares_sampled(len(spec.axes), f"latin:{spec.search.population}", seed)
+    return sample_shares(len(spec.axes), f"latin:{spec.search.population}", seed)
 
 
 class DesignSearch:
@@ -125,7 +124,7 @@ class DesignSearch:
         """Run all starts; each continues until a design satisfies all limits or the search stalls."""
         settings, starts = self.spec.search, list[Start]()
         for seed in range(settings.seed, settings.seed + settings.starts):
-            rows, complete = self._start(seed, is_first=not starts)
+            rows, complete = self._run_start(seed, is_first=not starts)
             if not complete:
                 return Searched(list(self._rows.values()), starts, True)
             starts.append(Start(seed, self._polish_best(rows)))
@@ -137,7 +136,7 @@ class DesignSearch:
         Args:
             shares: Fractions of the ranges, shape (designs, axes).
         """
-        rows = self.evaluate(of_shares(self.spec.axes, shares))
+        rows = self.evaluate(points_at(self.spec.axes, shares))
         for row, share in zip(rows, shares, strict=True):
             self._rows.setdefault(str(row.point), row)
             self._shares.setdefault(str(row.point), np.array(share))
@@ -177,7 +176,7 @@ class DesignSearch:
 
         return DE(variant="DE/best/1/bin", CR=CROSSOVER, **settings)
 
-    def _start(self, seed: int, is_first: bool) -> tuple[list[Row], bool]:
+    def _run_start(self, seed: int, is_first: bool) -> tuple[list[Row], bool]:
         """Run one start.
 
         While no design satisfies all limits, generations are added until the closest design has not improved
@@ -277,7 +276,7 @@ class DesignSearch:
         designs = {
             key: row for key, row in designs.items() if self._combination(self._shares[key]) == combination
         }
-        closest = sorted(designs, key=lambda key: self.judge.beyond(designs[key]))
+        closest = sorted(designs, key=lambda key: self.judge.total_violation(designs[key]))
         return [self._shares[key] for key in closest[:CLOSEST]]
 
     def _combination(self, shares: Array) -> tuple[float | str, ...]:
@@ -337,7 +336,7 @@ class DesignSearch:
             row = row_at(x)
             return FAILED_COST if row.refused else cost(row) / scale
 
-        def reserves(x: Array) -> Array:
+        def margins(x: Array) -> Array:
             """Return the margin to each limit, negative if violated."""
             return -np.array(self.judge.violations(row_at(x), margin))
 
@@ -348,7 +347,7 @@ class DesignSearch:
                 start_point,
                 method="COBYLA",
                 bounds=[(0.0, 1.0)] * len(free),
-                constraints={"type": "ineq", "fun": reserves},
+                constraints={"type": "ineq", "fun": margins},
                 options={"rhobeg": first_step, "tol": POLISH_LAST, "maxiter": POLISH_EVALUATIONS * len(free)},
             )
             valid = [row for row in rows if self.judge.meets(row, margin)]

@@ -18,7 +18,7 @@ from ..model import Module
 
 
 class SteadyMechanism(SteadyMachine):
-    """SteadyMechanism that computes steady pulses, samples and charts once per speed, rad/s, and ratio.
+    """Mechanism that computes steady means, samples and charts once per speed, rad/s, and ratio.
 
     Args:
         parameters: Parameters of the module, SI, by name.
@@ -26,7 +26,7 @@ class SteadyMechanism(SteadyMachine):
 
     def __init__(self, parameters: Mapping[str, float | str]) -> None:
         super().__init__(parameters)
-        self.pulses = cache(self.at)
+        self.means = cache(self.at)
         self.sampled = cache(self.samples)
         self.chart = cache(lambda speed: compute_chart(parameters, speed))
 
@@ -54,8 +54,8 @@ class SteadyMechanism(SteadyMachine):
             speed: Speed of link 1, rad/s.
             ratio: Speed ratio.
         """
-        pulses = self.pulses(speed, ratio)
-        return max(pulses.housing_engagements, pulses.output_engagements) * speed / math.tau
+        means = self.means(speed, ratio)
+        return max(means.housing_engagements, means.output_engagements) * speed / math.tau
 
     def maximum(self, names: tuple[str, ...], speed: float, ratio: float) -> float:
         """Return the maximum magnitude of a vector of outputs in the steady state.
@@ -104,27 +104,27 @@ _ALL = RATIOS[::4]
 _FORCE, _MOMENT = (tuple(f"shaking_{load}_{axis}" for axis in "xyz") for load in ("force", "moment"))
 _INPUT = ("input_torque",)
 STEADY_METRICS = {
-    "stall_torque": SteadyMetric("N.m", _SPEED, lambda m, w, i: m.pulses(w, 0.0).output_torque),
-    "steady_torque": SteadyMetric("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).output_torque),
+    "stall_torque": SteadyMetric("N.m", _SPEED, lambda m, w, i: m.means(w, 0.0).output_torque),
+    "steady_torque": SteadyMetric("N.m", _BOTH, lambda m, w, i: m.means(w, i).output_torque),
     "least_torque": SteadyMetric("N.m", _SPEED, lambda m, w, i: m.minimum_torque(w)),
     "lock_up_torque": SteadyMetric("N.m", _SPEED, lambda m, w, i: m.chart(w).summary(w)["lock_up_torque"]),
     "end_ratio": SteadyMetric("1", _SPEED, lambda m, w, i: m.chart(w).end_ratio),
-    "steady_input_torque": SteadyMetric("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).input_torque),
+    "steady_input_torque": SteadyMetric("N.m", _BOTH, lambda m, w, i: m.means(w, i).input_torque),
     "greatest_input_torque": SteadyMetric(
         "N.m", _SPEED, lambda m, w, i: m.chart(w).input_torque.max() * w**2
     ),
     "input_torque_ripple": SteadyMetric("N.m", _BOTH, lambda m, w, i: m.sampled(_INPUT, w, i).std()),
     "input_torque_peak": SteadyMetric("N.m", _BOTH, lambda m, w, i: m.maximum(_INPUT, w, i)),
-    "steady_efficiency": SteadyMetric("1", _BOTH, lambda m, w, i: m.pulses(w, i).efficiency),
-    "torque_ripple": SteadyMetric("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).ripple),
-    "torque_peak": SteadyMetric("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).peak),
+    "steady_efficiency": SteadyMetric("1", _BOTH, lambda m, w, i: m.means(w, i).efficiency),
+    "torque_ripple": SteadyMetric("N.m", _BOTH, lambda m, w, i: m.means(w, i).ripple),
+    "torque_peak": SteadyMetric("N.m", _BOTH, lambda m, w, i: m.means(w, i).peak),
     "engagement_frequency": SteadyMetric("Hz", _BOTH, lambda m, w, i: m.engagement_frequency(w, i)),
-    "housing_torque_peak": SteadyMetric("N.m", _BOTH, lambda m, w, i: m.pulses(w, i).housing_peak),
-    "housing_slip_peak": SteadyMetric("rad/s", _BOTH, lambda m, w, i: m.pulses(w, i).housing_slip),
-    "output_slip_peak": SteadyMetric("rad/s", _BOTH, lambda m, w, i: m.pulses(w, i).output_slip),
-    "bearing_force": SteadyMetric("N", _BOTH, lambda m, w, i: m.pulses(w, i).bearing_force),
+    "housing_torque_peak": SteadyMetric("N.m", _BOTH, lambda m, w, i: m.means(w, i).housing_peak),
+    "housing_slip_peak": SteadyMetric("rad/s", _BOTH, lambda m, w, i: m.means(w, i).housing_slip),
+    "output_slip_peak": SteadyMetric("rad/s", _BOTH, lambda m, w, i: m.means(w, i).output_slip),
+    "bearing_force": SteadyMetric("N", _BOTH, lambda m, w, i: m.means(w, i).bearing_force),
     "bearing_force_peak": SteadyMetric(
-        "N", _SPEED, lambda m, w, i: max(m.pulses(w, r).bearing_force for r in _ALL)
+        "N", _SPEED, lambda m, w, i: max(m.means(w, r).bearing_force for r in _ALL)
     ),
     # speed of the satellites with link 2 at rest
     "satellite_speed": SteadyMetric(

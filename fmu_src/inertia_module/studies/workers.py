@@ -210,7 +210,7 @@ def pool(task: Task, scheduler: str | None = None, workers: int | None = None) -
             client.register_plugin(TaskPlugin(task))
         except Exception as error:
             place = scheduler or "this machine"
-            raise ClusterError(f"the workers of {place} cannot do the task: {error}") from None
+            raise ClusterError(f"the workers of {place} cannot run the task: {error}") from None
         try:
             yield client
         finally:
@@ -266,7 +266,7 @@ def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[
         except InertiaModuleError:
             raise
         except Exception as error:
-            raise ClusterError(f"a worker cannot do the task: {type(error).__name__}: {error}") from error
+            raise ClusterError(f"a worker cannot run the task: {type(error).__name__}: {error}") from error
         mean = sum(row.cost for row in result.rows) / len(result.rows)
         if mean > 0.0:
             size = int(min(max(BATCH_TIME / mean, 1.0), MAX_BATCH))

@@ -23,20 +23,20 @@ from ..interface.models import INERTIA_MODULE, Model
 from ..interface.variables import BOOLEAN, ENUMERATIONS, INPUT, Variable
 from ..kernel import codes
 from ..scene import Scene, SceneResult
-from ..scene.run import start_of
+from ..scene.run import initial_values
 
 TEMPLATE = Path(__file__).parent / "template.html"
 # places in the template for the presets, which `make page` inserts, and for the data
 PRESETS, DATA = "<!-- PRESETS -->", "<!-- DATA -->"
 TITLE = "<title>Inertia module</title>"
 OPERATIONS = ("START", "STEP", "WARN")
-# fields of variables that the viewer contains under the same name
-SAME = ("name", "group", "kind", "causality", "unit", "description", "start", "allowed", "nominal")
-COLUMNS = {**{name: name for name in SAME}, "tunable": "is_tunable", "min": "minimum", "max": "maximum"}
+# fields of variables with the same name in the viewer
+SAME_NAMES = ("name", "group", "kind", "causality", "unit", "description", "start", "allowed", "nominal")
+COLUMNS = {**{name: name for name in SAME_NAMES}, "tunable": "is_tunable", "min": "minimum", "max": "maximum"}
 # maximum count of numbers of a run in a file; uncompressed they need 1.5 MB
 MAX_NUMBERS = 280_000
-# function that combines the skipped rows with the next kept row, by the ending of the name
-OVER_ROWS: dict[str, Callable[..., Any]] = {"_mean": np.mean, "_peak": np.max}
+# function that combines the skipped rows with the next written row, by the ending of the name
+ROW_REDUCTIONS: dict[str, Callable[..., Any]] = {"_mean": np.mean, "_peak": np.max}
 
 
 def template() -> str:
@@ -170,7 +170,7 @@ def page_scene(scene: Scene, record: Result | None = None) -> dict[str, Any]:
         scene: Scene with a named fidelity.
         record: Record of a run, or None.
     """
-    parameters, inputs = start_of(scene)
+    parameters, inputs = initial_values(scene)
     if record is not None:
         inputs |= {name: float(f"{record[name].mean():.4g}") for name in PLANT_INPUTS if name in record}
     signals = inputs | scene.prescribed
@@ -218,10 +218,12 @@ def page_run(record: Result, warnings: tuple[str, ...] = ()) -> dict[str, Any]:
     stride = -(-len(record) * len(names) // MAX_NUMBERS)
     columns = []
     for name in names:
-        # Step means are averaged since the previous kept row; of peaks the maximum is kept.
+        # A step mean is averaged, and a peak maximised, over the rows since the previous written row.
         values = record[name]
         columns.append(values[::stride].copy())
-        combine = next((function for ending, function in OVER_ROWS.items() if name.endswith(ending)), None)
+        combine = next(
+            (function for ending, function in ROW_REDUCTIONS.items() if name.endswith(ending)), None
+        )
         if combine is not None:
             last = 1 + stride * (columns[-1].size - 1)
             columns[-1][1:] = combine(values[1:last].reshape(-1, stride), axis=1)

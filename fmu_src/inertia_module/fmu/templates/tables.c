@@ -4,19 +4,19 @@
 #include <math.h>
 
 static const struct variable variables[] = {
-{% for one in rows %}
-{% if one is none %}{# a value reference that no variable has #}
+{% for variable in rows %}
+{% if variable is none %}{# a value reference that no variable has #}
     {"", UNUSED, CLOCK, 0, -1, -1, -1, 0, 0, 0, 0.0, 0.0, 0.0, 1.0, ""},
-{% elif one == model.time %}{# no place in a record of the kernel, no rate #}
+{% elif variable == model.time %}{# no place in a record of the kernel, no rate #}
     {"time", REAL, CLOCK, 0, -1, -1, -1, 0, 0, 0, 0.0, -HUGE_VAL, HUGE_VAL, 1.0, ""},
 {% else %}
-    {{ "{" }}{{ quoted(one.name) }}, {{ one.kind | upper }}, {{ arrays.get(one.causality, "OUTPUTS") }}, {{ model.place(one.name) }},
+    {{ "{" }}{{ quoted(variable.name) }}, {{ variable.kind | upper }}, {{ arrays.get(variable.causality, "OUTPUTS") }}, {{ model.place(variable.name) }},
 {% for ending in ("_rate", "_rate_given") %}
-     {{ model.place(one.name ~ ending) if one.causality == "input" else -1 }},
+     {{ model.place(variable.name ~ ending) if variable.causality == "input" else -1 }},
 {% endfor %}
-     {{ discrete.index(one.name) if one.name in discrete else -1 }}, {{ one.late | int }}, {{ (one.causality == "output") | int }}, {{ one.is_tunable | int }},
-     {{ number(one.start or 0.0) }}, {{ number(one.ends[0]) }}, {{ number(one.ends[1]) }}, {{ number(small(one)) }},
-     {{ quoted(one.allowed if one.causality == "parameter" else "") }}},
+     {{ discrete.index(variable.name) if variable.name in discrete else -1 }}, {{ variable.late | int }}, {{ (variable.causality == "output") | int }}, {{ variable.is_tunable | int }},
+     {{ number(variable.start or 0.0) }}, {{ number(variable.ends[0]) }}, {{ number(variable.ends[1]) }}, {{ number(small(variable)) }},
+     {{ quoted(variable.allowed if variable.causality == "parameter" else "") }}},
 {% endif %}
 {% endfor %}
 };
@@ -48,8 +48,8 @@ static const int discrete[] = {
 static const size_t traced[] = {{ "{%s}" | format(traced | join(", ")) }};
 
 static const struct bound bounds[] = {
-{% for one in model.bounds %}
-    {{ "{%s, %d, %s}" | format(records[one.record], one.place, number(one.maximum)) }},
+{% for bound in model.bounds %}
+    {{ "{%s, %d, %s}" | format(records[bound.record], bound.place, number(bound.maximum)) }},
 {% else %}
     {CONSTANTS, 0, 0.0},
 {% endfor %}

@@ -4,11 +4,11 @@ import math
 import time
 
 import pytest
-from refused import refusal
+from rejected import rejection
 from scenes import advanced, motions, started
 
 from inertia_module.kernel.inputs import MIN_STEP
-from inertia_module.model import NO_STATE, DrivenShaft, Module
+from inertia_module.model import INVALID_STATE, DrivenShaft, Module
 
 AT_ONCE = 0.2  # s of CPU time; an interrupted step takes some seconds
 TOO_SHORT = (5e-324, 1e-300, 0.99 * MIN_STEP)
@@ -25,7 +25,7 @@ def quick():
 def rejected_at_once(call, *arguments):
     """Return the message of a rejected call."""
     begin = time.process_time()
-    sentence = refusal(call, *arguments)
+    sentence = rejection(call, *arguments)
     assert time.process_time() - begin < AT_ONCE
     return sentence
 
@@ -97,10 +97,10 @@ def test_state_with_a_fractional_counter_is_rejected(compiled, field, number):
     module = advanced(started(compiled, omega1=100.0, mesh_efficiency=0.98), 1e-3)
     setattr(module.state, field, number)
     saved = module.save()
-    assert rejected_at_once(Module(compiled).restore, saved) == NO_STATE
+    assert rejected_at_once(Module(compiled).restore, saved) == INVALID_STATE
 
 
 def test_a_state_whose_parameters_do_not_go_together_is_rejected(compiled):
     module = advanced(started(compiled, omega1=100.0), 1e-3)
     module.parameters.omega2_start = 1.0  # The value exceeds the speed of the output shaft.
-    assert rejected_at_once(Module(compiled).restore, module.save()) == NO_STATE
+    assert rejected_at_once(Module(compiled).restore, module.save()) == INVALID_STATE

@@ -5,7 +5,7 @@ import itertools
 import pytest
 import scenes
 
-from inertia_module.compiling.targets import here
+from inertia_module.compiling.targets import host_target
 from inertia_module.fmu.linking import SHELL_FOLDER, header_folder
 from inertia_module.fmu.native_fmu import SOURCE, library, source_files
 from inertia_module.fmu.tables import generated
@@ -71,14 +71,14 @@ def shipped(tmp_path_factory):
     """Return a function that gives the path of the library in an FMU."""
     folder = tmp_path_factory.mktemp("shipped")
 
-    def of(identifier):
-        path = folder / f"{identifier}{here().suffix}"
+    def library_of(identifier):
+        path = folder / f"{identifier}{host_target().suffix}"
         if not path.exists():
             fmu = FMUS[identifier]
-            path.write_bytes(library(fmu, fmu.guid(), here(), lambda stage: None))
+            path.write_bytes(library(fmu, fmu.guid(), host_target(), lambda stage: None))
         return path
 
-    return of
+    return library_of
 
 
 @pytest.fixture(scope="session")
@@ -86,7 +86,7 @@ def compiled_from_source(tmp_path_factory):
     """Return a function that compiles the sources in an FMU and gives the path of the library."""
     folder = tmp_path_factory.mktemp("source")
 
-    def of(identifier):
+    def library_of(identifier):
         path = folder / identifier / "library.so"
         if not path.exists():
             fmu = FMUS[identifier]
@@ -99,7 +99,7 @@ def compiled_from_source(tmp_path_factory):
             run([system_compiler(), *flags, source, "-o", path, "-lm"])
         return path
 
-    return of
+    return library_of
 
 
 def instance(identifier, path, settings):
@@ -132,11 +132,11 @@ def test_a_host_that_flushes_subnormal_numbers_gets_the_same_bits(identifier, ho
 def test_library_compiled_from_sources_exports_only_fmi_and_has_the_bits_of_the_shipped_library(
     identifier, host, shipped, compiled_from_source
 ):
-    made = compiled_from_source(identifier)
-    offered = read(made).offers - {"_init", "_fini", "__bss_start", "_edata", "_end"}
-    assert offered == required_by(FMUS[identifier].fmi) | {"inertiaModuleRun"}
+    path = compiled_from_source(identifier)
+    exported = read(path).offers - {"_init", "_fini", "__bss_start", "_edata", "_end"}
+    assert exported == required_by(FMUS[identifier].fmi) | {"inertiaModuleRun"}
     settings = OVERLAPPING if FMUS[identifier].model.warnings else {}
-    printed = run([host, *instance(identifier, made, settings)], **TRAPS)
+    printed = run([host, *instance(identifier, path, settings)], **TRAPS)
     assert printed == run([host, *instance(identifier, shipped(identifier), settings)])
     assert ("satellites of a module overlap" in printed) == bool(settings)
 

@@ -22,8 +22,15 @@ def binary_folder(opened):
 
 def host(folder, *flags):
     """Build a C host for the Python FMU."""
-    given = ["-isystem", str(header_folder()), "-include", "stdarg.h", *flags, str(SOURCES / "python_host.c")]
-    command = [system_compiler(), "-rdynamic", *given, "-o", "host", "-ldl"]
+    options = [
+        "-isystem",
+        str(header_folder()),
+        "-include",
+        "stdarg.h",
+        *flags,
+        str(SOURCES / "python_host.c"),
+    ]
+    command = [system_compiler(), "-rdynamic", *options, "-o", "host", "-ldl"]
     subprocess.run(command, cwd=folder, check=True)
     return folder / "host"
 
@@ -32,7 +39,7 @@ NEEDED = "3 logStatusError: Python must be 3.11 or later"
 
 
 @pytest.mark.parametrize(
-    "flags, version, said",
+    "flags, version, message",
     [
         *(
             (["-DWITH_PYTHON"], version, f"{NEEDED} \\(got {re.escape(version)}\\)\n")
@@ -42,9 +49,9 @@ NEEDED = "3 logStatusError: Python must be 3.11 or later"
         (["-DWITH_PYTHON"], "3.12.1", ".*pythonfmu cannot be loaded: .*"),
     ],
 )
-def test_host_without_a_suitable_python_gets_a_message(binary_folder, tmp_path, flags, version, said):
+def test_host_without_a_suitable_python_gets_a_message(binary_folder, tmp_path, flags, version, message):
     printed = run([host(tmp_path, *flags), binary_folder / "linux64" / "InertiaModulePy.so", version])
-    assert re.fullmatch(said, printed, re.S)
+    assert re.fullmatch(message, printed, re.S)
 
 
 def test_front_library_exports_fmi_and_requires_few_libraries(binary_folder):
@@ -78,9 +85,9 @@ def run_at(binary_folder, tmp_path_factory, windows):
     )
 
     def build(file, *flags):
-        own = [*c_compiler.windows_headers(), c_compiler.windows_runtime(WIN64, folder)]
-        system = c_compiler.import_library(WIN64, folder, "kernel32.dll", names)
-        given = [
+        windows_files = [*c_compiler.windows_headers(), c_compiler.windows_runtime(WIN64, folder)]
+        system_library = c_compiler.import_library(WIN64, folder, "kernel32.dll", names)
+        options = [
             "-target",
             WIN64.compiler,
             *c_compiler.FLAGS,
@@ -89,7 +96,21 @@ def run_at(binary_folder, tmp_path_factory, windows):
             str(header_folder()),
         ]
         source = str(SOURCES / "windows_pythonfmu.c")
-        run_tool([*ZIG, "cc", *given, *flags, "-Wl,-e,begin", source, "-o", file, *own, system], folder)
+        run_tool(
+            [
+                *ZIG,
+                "cc",
+                *options,
+                *flags,
+                "-Wl,-e,begin",
+                source,
+                "-o",
+                file,
+                *windows_files,
+                system_library,
+            ],
+            folder,
+        )
         return folder / file
 
     stubs = " ".join(f"STUB({name})" for name in sorted(required_by(2) - {"fmi2Instantiate"}))
@@ -106,9 +127,9 @@ def test_windows_path_is_readable_for_pythonfmu_and_python(run_at, tmp_path, nam
     (resources / "slavemodule.txt").write_text("slave")
     (resources / "guid.txt").write_text("")  # The host passes the same GUID.
     for scheme in ("file:///Z:", "FILE:///Z:", "File://localhost/Z:", "file:/Z:", "file://Z:"):
-        path, found = run_at(resources.as_uri().replace("file://", scheme)).splitlines()
+        path, result = run_at(resources.as_uri().replace("file://", scheme)).splitlines()
         assert path.isascii()
-        assert found == "found"
+        assert result == "found"
     (resources / "guid.txt").write_text("{of-another-build}")
     assert run_at(resources.as_uri().replace("file://", "file:///Z:")) == (
         "the GUID must match modelDescription.xml: import the FMU again\n"

@@ -29,7 +29,7 @@ static void no_derivative_at_an_infinite_input(fmi2Component c)
     }
 }
 
-/* A refused step uses up neither the time reached nor the warning of a communication point that is another. */
+/* A rejected step uses up neither the time reached nor the warning of a communication point that is another. */
 static void refused_steps_leave_time_and_warning(fmi2Component c, struct journal *journal)
 {
     fmi2Real time;

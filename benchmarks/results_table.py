@@ -1,4 +1,4 @@
-"""Shared by the benchmarks: alternating runs, the reference scene, and the table the measured figures."""
+"""Parts that the benchmarks share: alternating runs, the reference scene, and the table of the results."""
 
 import csv
 from pathlib import Path
@@ -11,7 +11,7 @@ HEADINGS = ("part", "case", "quantity", "value", "unit")
 R1 = {"omega1": 100.0, "load_torque": 10.0}
 
 
-def in_turns(calls, rounds):
+def alternating_results(calls, rounds):
     """Make each call once per round, so that slow phases of the machine affect all calls alike.
 
     Args:
@@ -36,7 +36,7 @@ def update_table(parts):
         other_rows = [row for row in csv.reader(TABLE.read_text().splitlines()[1:]) if row[0] not in parts]
     measured = [
         [part, case, quantity, f"{value:.6g}", unit]
-        for part, figures in parts.items()
-        for case, quantity, value, unit in figures
+        for part, rows in parts.items()
+        for case, quantity, value, unit in rows
     ]
     write_rows(TABLE, HEADINGS, [*other_rows, *measured])

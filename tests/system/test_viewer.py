@@ -20,7 +20,7 @@ from inertia_module.scene import load_scene
 from inertia_module.viewer import html
 from inertia_module.viewer.html import TEMPLATE
 from tests.system.chromium import DESK, FONTS, PHONE, REFERENCE, ROOT, Opened, set_font
-from tests.system.programs import command, is_one_line, left
+from tests.system.programs import assert_one_line_error, command, stdout_of
 from tests.unit import scenes
 
 POSITIONS = ("imbalance_x", "imbalance_y", "imbalance_z")
@@ -502,9 +502,9 @@ BAD = {
 def test_bad_value_gives_the_sentence_of_the_native_fmu(still, built):
     for case, values in BAD.items():
         run_options = options(values)
-        with pytest.raises(FmuError) as refused:
+        with pytest.raises(FmuError) as rejected:
             native(built, run_options)
-        assert still.simulate(run_options) == str(refused.value), case
+        assert still.simulate(run_options) == str(rejected.value), case
 
 
 # Run up to speed, then let the load jump.
@@ -590,7 +590,7 @@ def check_page(page):
 
 def table_of(scene, fmu, folder):
     """Run a scene with the command and return its table."""
-    left("run", scene, "-o", folder, "--fmu", fmu)
+    stdout_of("run", scene, "-o", folder, "--fmu", fmu)
     return Result.from_csv(folder / "table.csv")
 
 
@@ -639,7 +639,7 @@ def test_row_of_a_long_run_includes_means_and_peaks_of_omitted_rows(monkeypatch)
 
 
 def test_run_writes_the_page_next_to_its_table(fmu, tmp_path):
-    printed = left("run", REFERENCE, "--view", "--json", "--fmu", fmu, "-o", tmp_path)
+    printed = stdout_of("run", REFERENCE, "--view", "--json", "--fmu", fmu, "-o", tmp_path)
     assert json.loads(printed)["files"]["page"] == str(tmp_path / "page.html")
     assert "drive_turns" not in Result.from_csv(tmp_path / "table.csv")
     assert (tmp_path / "page.html").stat().st_size < MOST_BYTES
@@ -668,7 +668,7 @@ def test_impossible_page_or_report_is_rejected_before_the_run(tmp_path, monkeypa
         (missing, ("run", REFERENCE, "--view"), "page.html", message),
     ):
         monkeypatch.setattr(html, "TEMPLATE", template)
-        is_one_line(command(*arguments, "-o", tmp_path / place), sentence)
+        assert_one_line_error(command(*arguments, "-o", tmp_path / place), sentence)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder.html"]
 
 

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from refused import REFUSED, refusal, sentence
+from rejected import REJECTED, rejection, sentence
 from scenes import ENGINE, advanced, started
 
 from inertia_module.interface import variables
@@ -32,7 +32,7 @@ def test_parameter_out_of_range_is_rejected_with_name_value_and_range(instance_t
         module = instance_type("plain")
         before = module.save()
         for value in bad_values(variable):
-            message = refusal(module.start, **{variable.name: value})
+            message = rejection(module.start, **{variable.name: value})
             assert message == sentence(variable, value)
             assert module.save() == before, f"{variable.name} = {value} changes something"
         assert module.start().started, variable.name
@@ -44,7 +44,7 @@ def test_input_out_of_range_is_rejected_and_the_next_step_works(instance_type):
     module = advanced(instance_type("plain").start(**{inputs[0].name: 100.0}), 0.01)
     for variable in inputs:
         for value in bad_values(variable):
-            assert refusal(module.set, **{variable.name: value}) == sentence(variable, value)
+            assert rejection(module.set, **{variable.name: value}) == sentence(variable, value)
     module.advance(0.01)
     assert module["energy_in"] > 0.0
 
@@ -59,19 +59,19 @@ def test_kernel_rejects_unchecked_inputs(compiled, name):
         expected = sentence(BY_NAME[name], value)
         module.restore(good)
         setattr(module.inputs, name, value)
-        assert refusal(module.advance, 0.01) == expected
+        assert rejection(module.advance, 0.01) == expected
         setattr(module.inputs, name, good_value)
         assert advanced(module, 0.01).save() == undisturbed, f"after {name} = {value}"
         unstarted = Module(compiled)
         setattr(unstarted.inputs, name, value)
-        assert refusal(unstarted.start, **engine) == expected
+        assert rejection(unstarted.start, **engine) == expected
 
 
 def test_invalid_step_is_rejected_and_the_next_step_works(compiled):
     module = advanced(started(compiled, omega1=100.0), 0.01)
     for step in (0.0, -0.0, -1e-3, *NO_NUMBERS, 1.001e6, 1e300, 0.99e-30, 1e-300, 5e-324):
         expected = f"communication step must be between 1e-30 and 1e+06 s (got {step:.16g})"
-        assert refusal(module.advance, step) == expected
+        assert rejection(module.advance, step) == expected
     assert advanced(module, 1e-30, 1e-3)["energy_in"] > 0.0
 
 
@@ -82,14 +82,14 @@ def test_too_large_rate_of_an_input_is_rejected_with_its_unit(name):
     for rate in (1e16, math.nan, math.inf):
         module.set_rates(**{name: rate})
         message = f"the rate of {name} must keep {name} {variable.allowed} over 0.01 s (got {rate:.16g}"
-        assert refusal(module.advance, 0.01) == f"{message} {variable.unit}/s from {name} = 100)"
+        assert rejection(module.advance, 0.01) == f"{message} {variable.unit}/s from {name} = 100)"
 
 
 def test_parameters_but_the_tunable_are_fixed_once_the_module_has_started():
     module = started("plain")
     for variable in with_causality(PARAMETER):
         if not variable.is_tunable:
-            message = refusal(module.set, **{variable.name: variable.start})
+            message = rejection(module.set, **{variable.name: variable.start})
             reason = f"is not tunable and must be set before start() (got {variable.start})"
             assert message == f"{variable.name} {reason}"
 
@@ -97,22 +97,22 @@ def test_parameters_but_the_tunable_are_fixed_once_the_module_has_started():
 def test_calls_before_the_start_are_rejected_without_effect():
     module = Module("plain")
     before = module.save()
-    assert refusal(module.advance, 0.01) == "call start() before advance()"
-    assert refusal(module.rates) == "call start() before rates()"
+    assert rejection(module.advance, 0.01) == "call start() before advance()"
+    assert rejection(module.rates) == "call start() before rates()"
     for name in ("omega3", "Omega1", "", *(v.name for v in with_causality(OUTPUT, LOCAL))):
-        message = refusal(module.set, **{name: 1.0})
+        message = rejection(module.set, **{name: 1.0})
         assert message.startswith(f"unknown parameter or input {name!r}; "), name
     # A single bad value rejects all values.
-    message = refusal(module.set, omega1=3.0, modules=2, tolerance=7.0, satellites=3)
+    message = rejection(module.set, omega1=3.0, modules=2, tolerance=7.0, satellites=3)
     assert message == sentence(BY_NAME["tolerance"], 7.0)
     assert module.save() == before
-    assert refusal(Module("fast").start) == "kernel must be auto, compiled or plain (got 'fast')"
+    assert rejection(Module("fast").start) == "kernel must be auto, compiled or plain (got 'fast')"
 
 
 def test_invalid_combination_is_rejected_with_name_value_and_range(compiled):
-    for values, expected in REFUSED["combinations"]:
+    for values, expected in REJECTED["combinations"]:
         module = Module(compiled)
-        message = refusal(module.start, **values)
+        message = rejection(module.start, **values)
         assert expected in message, values
         assert " must " in message, values
         assert not module.started, values
@@ -121,7 +121,7 @@ def test_invalid_combination_is_rejected_with_name_value_and_range(compiled):
 
 
 def test_valid_combination_runs(compiled):
-    for values in REFUSED["sound"]:
+    for values in REJECTED["sound"]:
         module = advanced(started(compiled, values, omega1=100.0, load_torque=1.0), 0.02, 0.02)
         assert abs(module["energy_residual"]) < 1e-5 * (1.0 + abs(module["energy_in"])), values
 

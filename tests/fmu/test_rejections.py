@@ -8,7 +8,7 @@ from functools import partial
 import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2Discard, fmi2LastSuccessfulTime, fmi2Terminated
-from refused import REFUSED, assert_refused, sentence
+from rejected import REJECTED, assert_rejected, sentence
 
 from inertia_module.common.errors import InertiaModuleError
 from inertia_module.fmi.instance import Fmu
@@ -58,7 +58,7 @@ def in_phase(instance, phase):
         in_phase(instance, INITIALIZING).set(**R1)
         speed = instance.get("input_speed")
         instance.set(imbalance_mass=-1.0)
-        message = instance.refusal(instance.fmu.exitInitializationMode)
+        message = instance.rejection(instance.fmu.exitInitializationMode)
         assert message == "imbalance_mass must be between 0 and 100000 kg (got -1)"
         # Values can be read for debugging.
         assert (instance.get("imbalance_mass"), instance.get("input_speed")) == (-1.0, speed)
@@ -96,7 +96,7 @@ def out_of_range(model):
 def test_parameter_out_of_range_is_reported_with_its_range(instance, model):
     for variable, value in out_of_range(model):
         instance.set(**{variable.name: value})
-        assert instance.refusal(instance.start) == sentence(variable, value)
+        assert instance.rejection(instance.start) == sentence(variable, value)
         instance.fmu.reset()
     instance.start()
     assert not instance.is_discarded(0.01)
@@ -110,7 +110,7 @@ def test_invalid_input_or_step_is_discarded_without_effect(instances, model):
         for name, value in [*bad, *((None, step) for step in BAD_STEPS)]:
             before = instance.all_values()
             instance.set(**({name: value} if name else {}))
-            message = instance.refusal(partial(instance.try_step, 0.01 if name else value), fmi2Discard)
+            message = instance.rejection(partial(instance.try_step, 0.01 if name else value), fmi2Discard)
             assert message == (sentence(model.by_name[name], value) if name else BAD_STEP.format(value))
             instance.set(**good)
             assert instance.all_values() == before, f"{message}: values have changed"
@@ -145,14 +145,14 @@ BAD_PARAMETERS = {"z2": 0, "imbalance_mass": -1.0, "tolerance": 7.0}
     ],
 )
 def test_all_invalid_start_values_are_reported_together(fmu_path, values, message):
-    assert_refused(message, Fmu, fmu_path, **values)
+    assert_rejected(message, Fmu, fmu_path, **values)
 
 
 def test_inconsistent_parameters_are_rejected_with_the_message_of_the_model(instance):
-    for parameters, _ in REFUSED["combinations"]:
+    for parameters, _ in REJECTED["combinations"]:
         with pytest.raises(InertiaModuleError) as caught:
             Module("plain").start(**parameters)
-        message = instance.refusal(lambda values=parameters: instance.start(**values))
+        message = instance.rejection(lambda values=parameters: instance.start(**values))
         assert message == str(caught.value)
         instance.fmu.reset()
     instance.start()
@@ -164,7 +164,7 @@ def test_invalid_value_of_a_tunable_parameter_is_discarded_without_effect(instan
     for variable in (each for each in INERTIA_MODULE.variables if each.is_tunable):
         name, before = variable.name, instance.all_values()
         for value in (math.nan, math.inf, variable.minimum - 1.0, variable.maximum * 2.0):
-            message = instance.refusal(partial(instance.set, **{"omega1": 7.0, name: value}), fmi2Discard)
+            message = instance.rejection(partial(instance.set, **{"omega1": 7.0, name: value}), fmi2Discard)
             assert message == sentence(variable, value)
             assert instance.all_values() == before
         instance.set(**{name: before[name]})  # The variable is unchanged.
@@ -178,7 +178,7 @@ def test_inconsistent_tunable_parameters_are_discarded(instances):
         instances().start(**GOOD[INERTIA_MODULE], **LEVELS["averaged, by torque"]) for _ in range(2)
     )
     before = instance.all_values()
-    message = instance.refusal(partial(instance.set, omega1=50.0, balancer=0.3, windage=0.05), fmi2Discard)
+    message = instance.rejection(partial(instance.set, omega1=50.0, balancer=0.3, windage=0.05), fmi2Discard)
     assert message.startswith(
         "windage must be 0 with fidelity = averaged (got 0.05). Windage requires fidelity 0"
     )
@@ -190,7 +190,7 @@ def test_inconsistent_tunable_parameters_are_discarded(instances):
 
 def test_outputs_unknown_references_and_wrong_types_are_rejected(instance):
     before = in_phase(instance, STEPPING).all_values()
-    message = instance.refusal(lambda: instance.set(omega_out=77.0))
+    message = instance.rejection(lambda: instance.set(omega_out=77.0))
     assert message == "a variable to set must be an input or a parameter (omega_out is calculated)"
     z2, omega1 = (instance.references[name] for name in ("z2", "omega1"))
     real, integer = ("Float64", "Int32") if instance.is_fmi3 else ("Real", "Integer")
@@ -198,7 +198,7 @@ def test_outputs_unknown_references_and_wrong_types_are_rejected(instance):
         *(("get", real, 9999), ("get", real, z2), ("get", integer, omega1)),
         *(("set", real, 9999, [1.0]), ("set", real, z2, [1.0])),
     ):
-        message = instance.refusal(partial(getattr(instance.fmu, act + kind), [reference], *values))
+        message = instance.rejection(partial(getattr(instance.fmu, act + kind), [reference], *values))
         assert message == (
             f"a value reference must belong to a variable of type {kind} in modelDescription.xml"
             f" (got {reference})"
@@ -211,7 +211,7 @@ def test_outputs_unknown_references_and_wrong_types_are_rejected(instance):
 def test_shaft_rejects_the_state_of_a_module(instances_of, version):
     foreign = instances_of(f"InertiaModule{version}").start(**R1).saved()
     shaft = instances_of(f"DrivenShaft{version}").start(hub_speed=20.0)
-    message = shaft.refusal(lambda: shaft.fmu.deSerializeFMUstate(foreign))
+    message = shaft.rejection(lambda: shaft.fmu.deSerializeFMUstate(foreign))
     assert "the state must be saved by this build, with " in message
     assert not shaft.is_discarded(0.01)
 
@@ -235,7 +235,7 @@ def test_calls_out_of_order_are_rejected_without_effect_and_reset_restarts(insta
         if phase in phases or (instance.is_fmi3 and name == "setupExperiment"):
             continue  # FMI 3.0 has no such call.
         before = phase == INSTANTIATED or instance.all_values()
-        message = instance.refusal(lambda called=name: call(instance, called))
+        message = instance.rejection(lambda called=name: call(instance, called))
         assert message == f"{name} is allowed only {when} (the instance is {phase})"
         assert phase == INSTANTIATED or instance.all_values() == before
     if phase == STEPPING:
@@ -256,7 +256,7 @@ def test_in_initialization_mode_outputs_follow_inputs_and_errors_can_be_correcte
         torques.append(instance.get("mesh_torque"))
     assert torques[0] != torques[1]
     instance.set(imbalance_mass=-1.0)
-    message = instance.refusal(lambda: instance.get("mesh_torque"), fmi2Discard)
+    message = instance.rejection(lambda: instance.get("mesh_torque"), fmi2Discard)
     assert message == "imbalance_mass must be between 0 and 100000 kg (got -1)"
     instance.set(imbalance_mass=1.0)
     assert instance.get("mesh_torque") == torques[1]
@@ -296,7 +296,7 @@ def test_step_past_the_stop_time_is_an_error_without_effect(instances, begin):
         for _ in range(3):  # 3 · 0.1 exceeds 0.3 by a rounding error.
             instance.step(0.1)
     before = one.all_values()
-    message = one.refusal(lambda: one.try_step(0.1))
+    message = one.rejection(lambda: one.try_step(0.1))
     assert message == (
         f"a step must end at or before the stop time {begin + 0.3:.16g} s"
         f" (got a step of 0.1 s from {one.time:.16g} s)"
@@ -315,7 +315,7 @@ def test_the_stop_time_is_part_of_the_state_and_forgotten_by_a_reset(instances):
     first.fmu.exitInitializationMode()
     second.restore(first.saved())
     for instance in (first, second):
-        assert "at or before the stop time 0.1 s" in instance.refusal(
+        assert "at or before the stop time 0.1 s" in instance.rejection(
             lambda tried=instance: tried.try_step(0.2)
         )
     first.fmu.reset()
@@ -352,7 +352,7 @@ def test_log_categories_select_messages(built):
 
 
 def test_unknown_log_category_is_rejected_without_effect(instance):
-    message = instance.refusal(lambda: instance.fmu.setDebugLogging(False, ["logAll", "logGossip"]))
+    message = instance.rejection(lambda: instance.fmu.setDebugLogging(False, ["logAll", "logGossip"]))
     assert message.startswith("a log category must be logStatusWarning, ")
     assert message.endswith("logAll (got logGossip)")
 

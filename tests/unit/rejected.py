@@ -8,7 +8,7 @@ from inertia_module.common.errors import InertiaModuleError
 from inertia_module.model import ModelInstance
 
 # Rows of values and words of the message, by kind of error.
-REFUSED = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+REJECTED = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 
 
 def sentence(variable, value):
@@ -24,19 +24,19 @@ def records(action):
     return [bytes(part) for part in (owner.parameters, owner.inputs, owner.state, owner.outputs)]
 
 
-def refusal(action, *arguments, **values):
+def rejection(action, *arguments, **values):
     """Return the message of a rejected action, "" if it succeeds. A started model must not change."""
-    said, before = "", records(action)
+    message, before = "", records(action)
     try:
         action(*arguments, **values)
     except InertiaModuleError as error:
-        said = str(error)
-        assert records(action) == before, f"{said}: something has changed"
-    assert "\n" not in said
-    return said
+        message = str(error)
+        assert records(action) == before, f"{message}: something has changed"
+    assert "\n" not in message
+    return message
 
 
-def assert_refused(words, action, *arguments, **values):
+def assert_rejected(pattern, action, *arguments, **values):
     """Check that an action fails with a line that matches a regular expression."""
-    said = refusal(action, *arguments, **values)
-    assert re.search(words, said), said
+    message = rejection(action, *arguments, **values)
+    assert re.search(pattern, message), message
