@@ -113,6 +113,7 @@ SIDE = (
     "end",  # last speed ratio
     "locks",  # 1 if link 2 reaches link 1 there
     "slow",  # V0, at which friction takes the stall torque, rad/s
+    ("slowness", SLOWNESSES),  # slownesses of the grid, rising
     ("columns", COLUMN, RATIOS),
 )
 # Means of the steady motion at a speed and a ratio
@@ -215,6 +216,7 @@ WORKSPACE = (
     "orbit_start",  # angle of the pinion shaft at its beginning, rad
     "orbit_torque",  # input torque, N m
     "orbit_energy",  # mean kinetic energy, J
+    ("column", COLUMN),  # of the map, at constant input speed
     # Mean motion (averaged.integrate)
     *(("means", MEAN, 2), ("mean_slopes", MEAN, 2)),  # rates at both stages, derivatives by omega1 and omega3
     *(("mean_stages", MEAN, 2), ("mean_change", MEAN)),
