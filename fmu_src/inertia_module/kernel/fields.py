@@ -22,7 +22,7 @@ GUARDS = 6  # event indicators of freewheels and slip
 SATELLITES = 24  # maximum number of satellites; each has an event indicator
 CAUSES = len(losses.CAUSES)  # causes of losses
 # Map of fidelity averaged (averaged.torque_map): speed ratios, slownesses, causes of losses
-RATIOS, SLOWNESSES, LOSSES = 21, 13, 4
+RATIOS, SLOWNESSES, LOSSES = 21, 15, 4
 
 # Beginning of an internal step, for the peak of the bearing force (loads)
 MOMENT = (

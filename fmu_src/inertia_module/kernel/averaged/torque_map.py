@@ -47,7 +47,7 @@ RATIOS = (
 FIRST_SLOWNESSES = (0.0, 0.25, 0.5, 0.75, 0.99, 1.0)
 N_EVEN = 2
 # number of slownesses of the grid
-SLOWNESSES = 13
+SLOWNESSES = 15
 # causes of losses in the map
 LOSSES = (VISCOUS, MESH, JOURNAL, FREEWHEEL)
 # places in a column of the map (fields.COLUMN)
