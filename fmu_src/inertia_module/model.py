@@ -352,6 +352,8 @@ class ModelInstance(Plant):
     ) -> None:
         """Take many steps; a compiled kernel takes them in one call.
 
+        Late outputs that no row contains are computed once, after the last step.
+
         Args:
             lengths: lengths of the steps, s, shape (steps,).
             inputs: names of the inputs.
@@ -370,10 +372,14 @@ class ModelInstance(Plant):
         places = [(ctypes.c_void_p * len(names))(*map(self._address, names)) for names in (inputs, outputs)]
         set_at, read_at = map(ctypes.addressof, places)
         request = Run(lengths, set_at, input_rows, read_at, rows)
-        request.operation, request.records = codes.STEP, self._addresses
+        is_late = any(self.model.by_name[name].late for name in outputs)
+        request.operation = codes.STEP if is_late else codes.STEP_ONLY
+        request.records = self._addresses
         number = len(self.model.records[2]) // 3  # the record contains values, then rates and flags
         request.rates, request.rate_count = self._addresses[2] + 8 * number, 2 * number
         status = self._compiled.inertia_module_kernel_run(ctypes.addressof(request))
+        if request.steps > 0 and not is_late:
+            self.call(codes.OUTPUTS, 0.0)
         if status != codes.OK:
             raise ParameterError(self.explain(status, float(lengths[request.steps])))
 

@@ -22,6 +22,8 @@ PLANAR = MECHANISMS["planar"]
 TABLES = tomllib.loads(Path(__file__).with_name("averaged_losses.toml").read_text(encoding="utf-8"))
 ALONE, SLOW, CRAWLING = TABLES["alone"], TABLES["slow"], TABLES["crawling"]
 HEAVY = mechanism(FOUND["heavy_link_2"])
+# friction of link 2 and freewheels that scales with a speed
+VISCOUS = ("link2_friction", "housing_drag_viscous", "output_drag_viscous")
 
 
 def alone(name):
@@ -279,6 +281,44 @@ def test_random_machines_with_losses_have_the_torque_and_efficiency_of_their_pul
         torque, _, efficiency = errors(values, omega1, ratio)
         if torque > 0.02 or efficiency > 0.01:
             off[seen] = torque, efficiency, omega1, ratio, values
+    assert off == {}
+
+
+def errors_below_balance(values, omega1, ratio):
+    """Return the errors of both torques over the ideal stall torque or the friction, whichever is larger."""
+    means, pulses = of_map("compiled", values, omega1, ratio), of_pulses("compiled", values, omega1, ratio)
+    module = Module("compiled").start(**values)
+    viscous = sum(module[name] for name in VISCOUS) + module.derived.k**2 * module["drive_friction"]
+    friction = module["housing_drag"] + module["output_drag"] + viscous * abs(omega1)
+    scale = max(stall_torque(values, omega1), friction)
+    return abs(means[0] - pulses[0]) / scale, abs(means[1] - pulses[1]) / scale
+
+
+@pytest.mark.usefixtures("compiled")
+@pytest.mark.parametrize("values, omega1, ratio", TABLES["kinks"]["rows"])
+def test_mean_equals_the_pulses_where_they_begin_to_move_link_2(values, omega1, ratio):
+    assert max(errors_below_balance(values, omega1, ratio)) < 0.02
+
+
+@pytest.mark.usefixtures("compiled")
+def test_random_machines_below_the_speed_at_which_friction_takes_the_stall_torque():
+    draw = random.Random(77)
+    off = {}
+    number = machines = 0
+    while machines < 16:
+        number += 1
+        values, direction, _ = drawn(draw, number)
+        try:
+            module = Module("compiled").start(**values, fidelity=1)
+        except InertiaModuleError:
+            continue  # The meshes jam.
+        side = module.derived.forward if direction > 0.0 else module.derived.backward
+        machines += side.slow > 0.0
+        for _ in range(4 if side.slow > 0.0 else 0):
+            omega1 = math.copysign(side.slow * math.exp(draw.uniform(-3.5, 0.0)), direction)
+            ratio = draw.uniform(0.02, 0.98) * min(side.end, 1.0)
+            if max(errors_below_balance(values, omega1, ratio)) > 0.02:
+                off[number] = omega1, ratio, values
     assert off == {}
 
 

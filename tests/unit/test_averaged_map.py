@@ -1,6 +1,7 @@
 """Test the averaged map with the rigid module at constant output speed, and the interpolation of the map."""
 
 import ctypes
+import itertools
 import math
 import random
 from functools import lru_cache
@@ -8,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from scenes import MECHANISMS, PLANAR, advanced, started
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import CubicHermiteSpline
 
 from inertia_module import model
 from inertia_module.analysis.steady_state import SteadyMachine
@@ -120,7 +121,7 @@ def test_equal_instances_share_a_map(compiled, monkeypatch):
 
 def test_sizes_of_the_map_agree_with_the_grid():
     assert len(torque_map.RATIOS) == fields.RATIOS
-    assert len(torque_map.SLOWNESS) == fields.SLOWNESSES
+    assert torque_map.SLOWNESSES == fields.SLOWNESSES
     assert len(torque_map.LOSSES) == fields.LOSSES
     column = started("plain").derived.forward.columns[0]
     for n in range(len(column.numbers)):
@@ -140,8 +141,8 @@ def test_sizes_of_the_map_agree_with_the_grid():
 
 def test_a_saved_state_is_small():
     module = Module("plain").start()
-    assert ctypes.sizeof(module.derived.forward) < 14000
-    assert len(module.save()) < 36000
+    assert ctypes.sizeof(module.derived.forward) < 16000
+    assert len(module.save()) < 40000
 
 
 @pytest.fixture
@@ -155,15 +156,39 @@ def side():
     return side
 
 
+def read_curve(side, s, place=torque_map.ENERGY):
+    """Return value and slope of a number of the map at ratio s."""
+    n = torque_map.ratio_interval(side, s)
+    return torque_map.curve(side, n, torque_map.ratio_cell(side, n, s), place)
+
+
+def limited_slopes(x, y):
+    """Return the slopes of parabolas, limited to three times a secant (Hyman, 1983)."""
+    secants = np.diff(y) / np.diff(x)
+    slopes = np.gradient(y, x, edge_order=2)
+    limits = 3.0 * np.minimum(abs(secants[1:]), abs(secants[:-1]))
+    slopes[1:-1] = np.clip(slopes[1:-1], -limits, limits)
+    for end, secant in ((0, secants[0]), (-1, secants[-1])):
+        slopes[end] = np.clip(slopes[end] / secant, 0.0, 3.0) * secant
+    return slopes
+
+
 def test_curves_agree_with_scipy(side):
     ratios = side.end * np.array(torque_map.RATIOS)
-    values = [column.inertia for column in side.columns]
-    expected = PchipInterpolator(ratios, values)
+    values = np.array([column.inertia for column in side.columns])
+    expected = CubicHermiteSpline(ratios, values, limited_slopes(ratios, values))
     for s in np.linspace(0.0, side.end, 200, endpoint=False):
-        n = torque_map.interval(side, s)
-        value, slope = torque_map.curve(side, n, s, torque_map.ENERGY)
+        value, slope = read_curve(side, s)
         assert value == pytest.approx(float(expected(s)), abs=1e-12)
         assert slope == pytest.approx(float(expected.derivative()(s)), abs=1e-9)
+
+
+def test_curve_through_rising_points_rises(side):
+    rising = sorted(column.inertia for column in side.columns)
+    for column, value in zip(side.columns, rising, strict=True):
+        column.inertia = value
+    values = [read_curve(side, s)[0] for s in np.linspace(0.0, side.end, 500)]
+    assert values == sorted(values)
 
 
 def test_error_of_a_curve_falls_with_the_cube_of_the_spacing(side):
@@ -172,32 +197,58 @@ def test_error_of_a_curve_falls_with_the_cube_of_the_spacing(side):
         side.end = end
         for column, ratio in zip(side.columns, torque_map.RATIOS, strict=True):
             column.inertia = math.exp(3.0 * end * ratio)
-        errors.append(
-            max(
-                abs(
-                    torque_map.curve(side, torque_map.interval(side, s), s, torque_map.ENERGY)[0]
-                    - math.exp(3.0 * s)
-                )
-                for s in np.linspace(0.1 * end, 0.9 * end, 200)
-            )
-        )
+        inside = np.linspace(0.1 * end, 0.9 * end, 200)
+        errors.append(max(abs(read_curve(side, s)[0] - math.exp(3.0 * s)) for s in inside))
     assert errors[1] < errors[0] / 6.0
 
 
-def test_between_slownesses_cubics_are_exact():
-    for z in np.linspace(0.0, 1.0, 50):
-        first, weights = torque_map.cubic_weights(float(z))
-        nodes = np.array(torque_map.SLOWNESS[first : first + torque_map.CUBIC])
-        for power in range(torque_map.CUBIC):
-            assert float(np.dot(weights, nodes**power)) == pytest.approx(z**power, abs=1e-12)
+def read_surface(side, s, z, place=torque_map.TORQUE):
+    """Return a number of the map at ratio s and slowness z."""
+    n, m = torque_map.ratio_interval(side, s), torque_map.slowness_interval(side, z)
+    cells = torque_map.ratio_cell(side, n, s), torque_map.slowness_cell(side, m, z)
+    return torque_map.surface(side, n, cells[0], m, cells[1], place)
 
 
-def test_surface_of_two_parabolas_is_exact_between_slownesses(side):
+def test_surface_of_parabolas_is_exact(side):
     side.slow = 1.0
-    for column in side.columns:
-        for m, z in enumerate(torque_map.SLOWNESS):
-            column.torque[m] = 2.0 - z - 0.5 * z * z
-    for z in (0.05, 0.3, 0.6, 0.95):
-        first, weights = torque_map.cubic_weights(z)
-        value = torque_map.surface(side, 3, 0.8 * 0.08, first, weights, torque_map.TORQUE)
-        assert value == pytest.approx(2.0 - z - 0.5 * z * z, rel=1e-12)
+    side.slowness[:] = [(m / (torque_map.SLOWNESSES - 1)) ** 0.5 for m in range(torque_map.SLOWNESSES)]
+    for column, ratio in zip(side.columns, torque_map.RATIOS, strict=True):
+        for m, z in enumerate(side.slowness):
+            s = side.end * ratio
+            column.torque[m] = 2.0 - z - 0.5 * z * z + (1.0 - 0.2 * z) * (s + 0.5 * s * s)
+    for s, z in itertools.product((0.07, 0.3, 0.61, 0.79), (0.05, 0.3, 0.6, 0.95)):
+        expected = 2.0 - z - 0.5 * z * z + (1.0 - 0.2 * z) * (s + 0.5 * s * s)
+        assert read_surface(side, s, z) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("kink", [0.13, 0.4, 0.62, 0.91])
+def test_slownesses_are_added_around_a_kink(side, kink):
+    count = len(torque_map.FIRST_SLOWNESSES)
+    side.slowness[:count] = torque_map.FIRST_SLOWNESSES
+
+    def write_torques():
+        for column in side.columns:
+            for m, z in enumerate(side.slowness[:count]):
+                column.torque[m] = max(kink - z, 0.0) + 0.2 * z * z
+
+    write_torques()
+    while count < torque_map.SLOWNESSES:
+        worst = max(
+            range(count - torque_map.N_EVEN), key=lambda m: torque_map.interpolation_error(side, m, count)
+        )
+        torque_map.insert_slowness(side, worst, count)
+        count += 1
+        write_torques()
+    assert list(side.slowness) == sorted(side.slowness)
+    before, after = max(z for z in side.slowness if z <= kink), min(z for z in side.slowness if z > kink)
+    assert after - before < 0.01
+
+
+def test_an_added_slowness_keeps_the_values_of_all_others(side):
+    count = len(torque_map.FIRST_SLOWNESSES)
+    side.slowness[:count] = torque_map.FIRST_SLOWNESSES
+    values = [list(column.link2[:count]) for column in side.columns]
+    inertias = [column.inertia for column in side.columns]
+    torque_map.insert_slowness(side, 2, count)
+    assert [[*column.link2[:3], *column.link2[4 : count + 1]] for column in side.columns] == values
+    assert [column.inertia for column in side.columns] == inertias

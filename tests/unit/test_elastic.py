@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from scenes import ELASTIC, REFERENCE, advanced, started
+from scenes import ELASTIC, PLANAR, REFERENCE, advanced, started
 
 from inertia_module.kernel.links import slowest_rate
 
@@ -97,3 +97,36 @@ def test_resting_shaft_needs_few_evaluations(compiled):
     module = advanced(started(compiled, REFERENCE, ELASTIC, omega1=0.0), 1000.0)
     assert module["shaft_twist"] == pytest.approx(10.0 / 400.0, rel=1e-6)
     assert module["rhs_evaluations"] < 2e5
+
+
+# Freewheels with strong damping on a light link 2: an error of the speed is a large error of the torque.
+DAMPED = {
+    "housing": {
+        **REFERENCE,
+        **{"link2_inertia": 9e-8, "output_inertia": 1.2e-3, "driven_inertia": 0.09, "mesh_efficiency": 0.93},
+        **{"housing_stiffness": 6.4e4, "housing_damping": 3e3, "shaft_stiffness": 2.9e4, "omega1": 34.0},
+    },
+    "output": {
+        **REFERENCE,
+        **{"link2_inertia": 1.2e-6, "output_inertia": 7e-3, "driven_inertia": 0.2, "drive_inertia": 6e-4},
+        **{"freewheel_stiffness": 1e6, "freewheel_damping": 6e4, "shaft_stiffness": 1.2e4, "omega1": 108.0},
+    },
+    "both": {
+        **PLANAR,
+        **{"link2_inertia": 1e-8, "output_inertia": 1.5e-3, "driven_inertia": 0.3, "drive_inertia": 1.3e-4},
+        **{"housing_stiffness": 60.0, "housing_damping": 120.0, "shaft_stiffness": 1e3, "omega1": 71.0},
+        **{"freewheel_stiffness": 1.6e5, "freewheel_damping": 1.7e4, "mesh_efficiency": 0.97},
+    },
+}
+
+
+@pytest.mark.parametrize("damped", DAMPED)
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-4])
+def test_strong_damping_of_a_light_link_costs_no_more_at_a_loose_tolerance(compiled, damped, tolerance):
+    precise, loose = (
+        advanced(started(compiled, DAMPED[damped], fidelity=3, tolerance=share), *[0.01] * 5)
+        for share in (1e-9, tolerance)
+    )
+    assert loose["rhs_evaluations"] < 1.5 * precise["rhs_evaluations"]
+    assert loose["omega_out"] == pytest.approx(precise["omega_out"], abs=10.0 * tolerance * loose["omega1"])
+    assert loose["energy_in"] == pytest.approx(precise["energy_in"], rel=100.0 * tolerance)

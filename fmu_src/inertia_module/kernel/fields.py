@@ -22,7 +22,7 @@ GUARDS = 6  # event indicators of freewheels and slip
 SATELLITES = 24  # maximum number of satellites; each has an event indicator
 CAUSES = len(losses.CAUSES)  # causes of losses
 # Map of fidelity averaged (averaged.torque_map): speed ratios, slownesses, causes of losses
-RATIOS, SLOWNESSES, LOSSES = 21, 13, 4
+RATIOS, SLOWNESSES, LOSSES = 21, 15, 4
 
 # Beginning of an internal step, for the peak of the bearing force (loads)
 MOMENT = (
@@ -113,6 +113,7 @@ SIDE = (
     "end",  # last speed ratio
     "locks",  # 1 if link 2 reaches link 1 there
     "slow",  # V0, at which friction takes the stall torque, rad/s
+    ("slowness", SLOWNESSES),  # slownesses of the grid, rising
     ("columns", COLUMN, RATIOS),
 )
 # Means of the steady motion at a speed and a ratio
@@ -215,6 +216,7 @@ WORKSPACE = (
     "orbit_start",  # angle of the pinion shaft at its beginning, rad
     "orbit_torque",  # input torque, N m
     "orbit_energy",  # mean kinetic energy, J
+    ("column", COLUMN),  # of the map, at constant input speed
     # Mean motion (averaged.integrate)
     *(("means", MEAN, 2), ("mean_slopes", MEAN, 2)),  # rates at both stages, derivatives by omega1 and omega3
     *(("mean_stages", MEAN, 2), ("mean_change", MEAN)),

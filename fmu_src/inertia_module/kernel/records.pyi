@@ -149,6 +149,7 @@ class Side:
     end: float
     locks: float
     slow: float
+    slowness: Doubles
     columns: Records[Column]
 
 class Constants:
@@ -546,6 +547,7 @@ class Workspace:
     orbit_start: float
     orbit_torque: float
     orbit_energy: float
+    column: Column
     means: Records[Mean]
     mean_slopes: Records[Mean]
     mean_stages: Records[Mean]

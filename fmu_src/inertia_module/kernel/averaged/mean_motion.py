@@ -12,7 +12,7 @@ from ..accumulate import clear, total
 from ..codes import DRIVING, FREE, HELD_DRIVING
 from ..equations.losses import FREEWHEEL, VISCOUS
 from ..records import Constants, Mean, Outputs, Side, State, Steady
-from .torque_map import look_up, look_up_pulses
+from .torque_map import look_up, look_up_energy, look_up_pulses
 
 RESTING, LOCKED, COASTING, SLIPPING = 0, 1, 2, 3
 # contact mode that stands for each regime
@@ -265,7 +265,7 @@ def energy_of_mechanism(d: Constants, side: Side, x: State, omega1: float, omega
         omega3: speed of the output shaft, rad/s
     """
     speed = abs(omega1)
-    look_up(d, side, speed, speed_ratio(omega3, speed), d.steady)
+    look_up_energy(side, speed_ratio(omega3, speed), d.steady)
     return 0.5 * speed * speed * (d.J1 + d.steady.inertia)
 
 

@@ -6,9 +6,12 @@ V0, where V0 is the input speed at which friction and drag take the stall torque
 parabolas of the slowness V0 / V, which is 0 at infinite speed and 1 at rest. Losses by load scale with
 omega1^2 as well.
 
-The grid is fixed: RATIOS shares of the last ratio and SLOWNESS. Between ratios all curves are monotone cubics
-(PCHIP: Fritsch & Carlson, 1980, SIAM Journal on Numerical Analysis 17, slopes of Fritsch & Butland, 1984),
-between slownesses cubics through the nearest four. At rest friction and drag alone act: link 2 turns evenly.
+The ratios of the grid are fixed shares of the last ratio (RATIOS). The slownesses are not, because the torque
+has kinks where the pulses no longer move link 2: each new slowness halves the interval with the largest
+interpolation error (equidistribution: de Boor, 1978, A Practical Guide to Splines). Between the points all
+curves are monotone cubics (Fritsch & Carlson, 1980, SIAM Journal on Numerical Analysis 17) with the slopes of
+parabolas, limited as by Hyman (1983, SIAM Journal on Scientific and Statistical Computing 4). At rest
+friction and drag alone act: link 2 turns evenly.
 
 Friction of link 1 and of the output shaft is exact without a map. Driven by torque, orbits have the constant
 input torque that keeps their energy; they depend on J1.
@@ -16,7 +19,7 @@ input torque that keeps their energy; they depend on J1.
 
 import math
 
-from ..accumulate import clear, total
+from ..accumulate import clear, copy, total
 from ..codes import NO_CYCLIC_STEADY_STATE, OK
 from ..equations.losses import FREEWHEEL, JOURNAL, MESH, VISCOUS
 from ..parameters import derive_constants
@@ -40,16 +43,16 @@ RATIOS = (
     *(0.0, 0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.26, 0.32, 0.38, 0.44),
     *(0.5, 0.56, 0.62, 0.69, 0.76, 0.82, 0.88, 0.93, 0.97, 1.0),
 )
-# slownesses V0 / (|omega1| + V0) of the grid: without friction; orbits; friction and drag alone
-SLOWNESS = (0.0, 0.125, 0.25, 0.375, 0.5, 0.5625, 0.625, 0.6875, 0.75, 0.8125, 0.875, 0.99, 1.0)
-EVEN = 11
+# first slownesses V0 / (|omega1| + V0) of the grid; at the last two friction and drag alone act
+FIRST_SLOWNESSES = (0.0, 0.25, 0.5, 0.75, 0.99, 1.0)
+N_EVEN = 2
+# number of slownesses of the grid
+SLOWNESSES = 15
 # causes of losses in the map
 LOSSES = (VISCOUS, MESH, JOURNAL, FREEWHEEL)
-# points of a cubic
-CUBIC = 4
 # places in a column of the map (fields.COLUMN)
-TORQUE, LINK2, LOST = 0, len(SLOWNESS), 2 * len(SLOWNESS)
-ENERGY = LOST + len(LOSSES) * len(SLOWNESS)
+TORQUE, LINK2, LOST = 0, SLOWNESSES, 2 * SLOWNESSES
+ENERGY = LOST + len(LOSSES) * SLOWNESSES
 RIPPLE, PEAK = ENERGY + 1, ENERGY + 2
 # ratio of the first orbit (the drag of the output freewheel acts only while the output turns), and slip of
 # the last one over the last ratio
@@ -77,81 +80,68 @@ def is_light_input(d: Constants) -> bool:
     return d.by_torque != 0.0 and d.J1 < MIN_INPUT_INERTIA_RATIO * largest
 
 
-def cubic_weights(z: float) -> tuple[int, tuple[float, float, float, float]]:
-    """Return the first of CUBIC slownesses around z and the Lagrange weights of their values."""
-    n = 0
-    for m in range(1, len(SLOWNESS) - CUBIC + 1):
-        if z > SLOWNESS[m + 1]:
-            n = m
-    za, zb, zc, zd = SLOWNESS[n], SLOWNESS[n + 1], SLOWNESS[n + 2], SLOWNESS[n + 3]
-    a, b, c, e = z - za, z - zb, z - zc, z - zd
-    return n, (
-        b * c * e / ((za - zb) * (za - zc) * (za - zd)),
-        a * c * e / ((zb - za) * (zb - zc) * (zb - zd)),
-        a * b * e / ((zc - za) * (zc - zb) * (zc - zd)),
-        a * b * c / ((zd - za) * (zd - zb) * (zd - zc)),
-    )
-
-
-def inner_slope(left: float, right: float, s0: float, s1: float) -> float:
-    """Return the slope at a point by the secants to its neighbours: their weighted harmonic mean.
+def make_cell(
+    left: float, width: float, right: float, t: float
+) -> tuple[float, float, float, float, float, float]:
+    """Return the numbers of cubic that depend on the points alone.
 
     Args:
-        left: distance to the point before
-        right: distance to the point after
-        s0: secant from the point before
-        s1: secant to the point after
-    """
-    if s0 * s1 <= 0.0:
-        return 0.0
-    w0, w1 = 2.0 * right + left, right + 2.0 * left
-    return (w0 + w1) * s0 * s1 / (w0 * s1 + w1 * s0)
-
-
-def end_slope(near: float, far: float, s0: float, s1: float) -> float:
-    """Return the slope at the first or last point by the next two secants, shape-preserving.
-
-    Args:
-        near: distance to the next point
-        far: distance from the next point to the second next
-        s0: secant to the next point
-        s1: secant from the next point to the second next
-    """
-    slope = ((2.0 * near + far) * s0 - near * s1) / (near + far)
-    if slope * s0 <= 0.0:
-        return 0.0
-    return 3.0 * s0 if s0 * s1 < 0.0 and abs(slope) > 3.0 * abs(s0) else slope
-
-
-def pchip(side: Side, n: int, s: float, a: float, b: float, c: float, e: float) -> tuple[float, float]:
-    """Interpolate a curve of the map between points n and n + 1 of RATIOS.
-
-    Args:
-        side: map for one sign of omega1
-        n: number of the point before s
-        s: speed ratio
-        a: value at point n - 1 (at point n = 0)
-        b: value at point n
-        c: value at point n + 1
-        e: value at point n + 2 (at the last point)
+        left: distance from the point before the interval; 0 without one
+        width: width of the interval
+        right: distance from the interval to the point after it; 0 without one
+        t: distance into the interval
 
     Returns:
-        (value, slope in s).
+        (one over left, width and right, or 0; weights of the other secant in the slopes at both ends; t).
     """
-    last = len(RATIOS) - 2
-    width = side.end * (RATIOS[n + 1] - RATIOS[n])
-    left = side.end * (RATIOS[n] - RATIOS[n - 1]) if n > 0 else width
-    right = side.end * (RATIOS[n + 2] - RATIOS[n + 1]) if n < last else width
-    per_width = 1.0 / width
-    before, rise, after = (b - a) / left, (c - b) * per_width, (e - c) / right
-    m0 = inner_slope(left, width, before, rise) if n > 0 else end_slope(width, right, rise, after)
-    m1 = inner_slope(width, right, rise, after) if n < last else end_slope(width, left, rise, before)
-    t = s - side.end * RATIOS[n]
+    per_left = 1.0 / left if left > 0.0 else 0.0
+    per_right = 1.0 / right if right > 0.0 else 0.0
+    weight0 = width / (left + width) if left > 0.0 else -width / (width + right)
+    weight1 = width / (width + right) if right > 0.0 else -width / (left + width)
+    return per_left, 1.0 / width, per_right, weight0, weight1, t
+
+
+def limited_slope(rise: float, other: float, weight: float, is_end: bool) -> float:
+    """Return the slope of the parabola through three points, limited for a monotone cubic.
+
+    Args:
+        rise: secant of the interval
+        other: secant of the interval beyond the point; at the first and the last point, of the next interval
+        weight: weight of the other secant
+        is_end: True at the first and the last point
+    """
+    slope = rise + weight * (other - rise)
+    if is_end:
+        return max(min(slope / rise, 3.0), 0.0) * rise if rise != 0.0 else 0.0
+    limit = 3.0 * min(abs(rise), abs(other))
+    return min(max(slope, -limit), limit)
+
+
+def cubic(
+    cell: tuple[float, float, float, float, float, float], a: float, b: float, c: float, e: float
+) -> tuple[float, float]:
+    """Interpolate a curve between two of its points.
+
+    Args:
+        cell: numbers of the points (make_cell)
+        a: value at the point before
+        b: value at the beginning of the interval
+        c: value at its end
+        e: value at the point after
+
+    Returns:
+        (value, slope).
+    """
+    per_left, per_width, per_right, weight0, weight1, t = cell
+    before, rise, after = (b - a) * per_left, (c - b) * per_width, (e - c) * per_right
+    is_first, is_last = per_left == 0.0, per_right == 0.0
+    m0 = limited_slope(rise, after if is_first else before, weight0, is_first)
+    m1 = limited_slope(rise, before if is_last else after, weight1, is_last)
     c2, c3 = (3.0 * rise - 2.0 * m0 - m1) * per_width, (m0 + m1 - 2.0 * rise) * per_width * per_width
     return b + t * (m0 + t * (c2 + t * c3)), m0 + t * (2.0 * c2 + 3.0 * t * c3)
 
 
-def interval(side: Side, s: float) -> int:
+def ratio_interval(side: Side, s: float) -> int:
     """Return the number of the interval of the map that contains the ratio s."""
     n = 0
     while n < len(RATIOS) - 2 and s >= side.end * RATIOS[n + 1]:
@@ -159,51 +149,101 @@ def interval(side: Side, s: float) -> int:
     return n
 
 
-def curve(side: Side, n: int, s: float, place: int) -> tuple[float, float]:
-    """Return value and slope at ratio s, in interval n, of a number of each column.
+def ratio_cell(side: Side, n: int, s: float) -> tuple[float, float, float, float, float, float]:
+    """Return the numbers of a ratio for cubic.
 
     Args:
         side: map for one sign of omega1
         n: number of the interval
         s: speed ratio
+    """
+    left = side.end * (RATIOS[n] - RATIOS[n - 1]) if n > 0 else 0.0
+    right = side.end * (RATIOS[n + 2] - RATIOS[n + 1]) if n < len(RATIOS) - 2 else 0.0
+    return make_cell(left, side.end * (RATIOS[n + 1] - RATIOS[n]), right, s - side.end * RATIOS[n])
+
+
+def slowness_interval(side: Side, z: float) -> int:
+    """Return the number of the interval of the map that contains the slowness z."""
+    m = 0
+    while m < len(side.slowness) - 2 and z >= side.slowness[m + 1]:
+        m += 1
+    return m
+
+
+def slowness_cell(side: Side, m: int, z: float) -> tuple[float, float, float, float, float, float]:
+    """Return the numbers of a slowness for cubic.
+
+    Args:
+        side: map for one sign of omega1
+        m: number of the interval
+        z: slowness
+    """
+    left = side.slowness[m] - side.slowness[m - 1] if m > 0 else 0.0
+    right = side.slowness[m + 2] - side.slowness[m + 1] if m < len(side.slowness) - 2 else 0.0
+    return make_cell(left, side.slowness[m + 1] - side.slowness[m], right, z - side.slowness[m])
+
+
+def curve(
+    side: Side, n: int, cell: tuple[float, float, float, float, float, float], place: int
+) -> tuple[float, float]:
+    """Return value and slope at a ratio of a number of each column.
+
+    Args:
+        side: map for one sign of omega1
+        n: number of the interval
+        cell: numbers of the ratio (ratio_cell)
         place: place of the number in a column
     """
     before, after = max(n - 1, 0), min(n + 2, len(RATIOS) - 1)
     a, b = side.columns[before].numbers[place], side.columns[n].numbers[place]
     c, e = side.columns[n + 1].numbers[place], side.columns[after].numbers[place]
-    return pchip(side, n, s, a, b, c, e)
+    return cubic(cell, a, b, c, e)
+
+
+def at_slowness(
+    column: Column, m: int, cell: tuple[float, float, float, float, float, float], place: int
+) -> float:
+    """Return the value at a slowness of numbers that a column has for all slownesses.
+
+    Args:
+        column: of the map
+        m: number of the interval
+        cell: numbers of the slowness (slowness_cell)
+        place: place of the first number in the column
+    """
+    before, after = place + max(m - 1, 0), place + min(m + 2, SLOWNESSES - 1)
+    i = place + m
+    values = column.numbers
+    value, _ = cubic(cell, values[before], values[i], values[i + 1], values[after])
+    return value
 
 
 def surface(
-    side: Side, n: int, s: float, first: int, weights: tuple[float, float, float, float], place: int
+    side: Side,
+    n: int,
+    ratio: tuple[float, float, float, float, float, float],
+    m: int,
+    slowness: tuple[float, float, float, float, float, float],
+    place: int,
 ) -> float:
-    """Return the value at ratio s and a slowness of numbers that each column has for all slownesses.
+    """Return the value at a ratio and a slowness of numbers that each column has for all slownesses.
 
     Args:
         side: map for one sign of omega1
-        n: number of the interval
-        s: speed ratio
-        first: first slowness of the cubic
-        weights: weights of the cubic
+        n: number of the interval of the ratio
+        ratio: numbers of the ratio (ratio_cell)
+        m: number of the interval of the slowness
+        slowness: numbers of the slowness (slowness_cell)
         place: place of the first number in a column
     """
     if side.slow == 0.0:
-        value, _ = curve(side, n, s, place)
+        value, _ = curve(side, n, ratio, place)
         return value
-    w0, w1, w2, w3 = weights
-    before, after = max(n - 1, 0), min(n + 2, len(RATIOS) - 1)
-    i = place + first
-    a, b = side.columns[before].numbers, side.columns[n].numbers
-    c, e = side.columns[n + 1].numbers, side.columns[after].numbers
-    value, _ = pchip(
-        side,
-        n,
-        s,
-        w0 * a[i] + w1 * a[i + 1] + w2 * a[i + 2] + w3 * a[i + 3],
-        w0 * b[i] + w1 * b[i + 1] + w2 * b[i + 2] + w3 * b[i + 3],
-        w0 * c[i] + w1 * c[i + 1] + w2 * c[i + 2] + w3 * c[i + 3],
-        w0 * e[i] + w1 * e[i + 1] + w2 * e[i + 2] + w3 * e[i + 3],
-    )
+    a = at_slowness(side.columns[max(n - 1, 0)], m, slowness, place)
+    b = at_slowness(side.columns[n], m, slowness, place)
+    c = at_slowness(side.columns[n + 1], m, slowness, place)
+    e = at_slowness(side.columns[min(n + 2, len(RATIOS) - 1)], m, slowness, place)
+    value, _ = cubic(ratio, a, b, c, e)
     return value
 
 
@@ -218,23 +258,36 @@ def look_up(d: Constants, side: Side, speed: float, ratio: float, means: Steady)
         means: record that is written (fields.STEADY)
     """
     s = min(max(ratio, 0.0), side.end)
-    n = interval(side, s)
-    weights = (1.0, 0.0, 0.0, 0.0)
-    first = 0
-    scale = speed
+    n = ratio_interval(side, s)
+    cell = ratio_cell(side, n, s)
+    scale = speed + side.slow
+    m, slowness = 0, cell
     if side.slow > 0.0:
-        scale = speed + side.slow
-        first, weights = cubic_weights(side.slow / scale)
-    means.torque = scale * scale * surface(side, n, s, first, weights, TORQUE)
-    # no cubic makes link 2 turn backwards or faster than the output
-    means.omega2 = speed * min(max(surface(side, n, s, first, weights, LINK2), 0.0), s)
-    means.inertia, means.slope = curve(side, n, s, ENERGY)
+        z = side.slow / scale
+        m = slowness_interval(side, z)
+        slowness = slowness_cell(side, m, z)
+    means.torque = scale * scale * surface(side, n, cell, m, slowness, TORQUE)
+    means.omega2 = speed * min(max(surface(side, n, cell, m, slowness, LINK2), 0.0), s)
+    means.inertia, means.slope = curve(side, n, cell, ENERGY)
     clear(means.lost)
     if d.lossy != 0.0:
         for cause in range(len(LOSSES)):
-            value = surface(side, n, s, first, weights, LOST + len(SLOWNESS) * cause)
+            value = surface(side, n, cell, m, slowness, LOST + SLOWNESSES * cause)
             means.lost[int(LOSSES[cause])] = scale * scale * max(value, 0.0)
     means.resistance = total(means.lost)
+
+
+def look_up_energy(side: Side, ratio: float, means: Steady) -> None:
+    """Write the inertia of the mean energy and its slope at a speed ratio up to the last one.
+
+    Args:
+        side: map for one sign of omega1
+        ratio: omega3 / |omega1|
+        means: record that is written (fields.STEADY)
+    """
+    s = min(max(ratio, 0.0), side.end)
+    n = ratio_interval(side, s)
+    means.inertia, means.slope = curve(side, n, ratio_cell(side, n, s), ENERGY)
 
 
 def look_up_pulses(side: Side, speed: float, ratio: float) -> tuple[float, float]:
@@ -247,9 +300,10 @@ def look_up_pulses(side: Side, speed: float, ratio: float) -> tuple[float, float
     """
     if ratio >= side.end:
         return 0.0, 0.0
-    n = interval(side, ratio)
-    ripple, _ = curve(side, n, ratio, RIPPLE)
-    peak, _ = curve(side, n, ratio, PEAK)
+    n = ratio_interval(side, ratio)
+    cell = ratio_cell(side, n, ratio)
+    ripple, _ = curve(side, n, cell, RIPPLE)
+    peak, _ = curve(side, n, cell, PEAK)
     return speed * speed * ripple, speed * speed * peak
 
 
@@ -273,6 +327,18 @@ def set_friction(p: Parameters, d: Constants, share: float) -> None:
     d.output_drag_viscous = share * p.output_drag_viscous
 
 
+def resistance(p: Parameters, d: Constants, speed: float) -> float:
+    """Return the torque of all friction and drag of the map at an input speed, N m.
+
+    Args:
+        p: parameters
+        d: constants
+        speed: magnitude of omega1, rad/s
+    """
+    viscous = p.link2_friction + p.housing_drag_viscous + p.output_drag_viscous + d.k * d.k * p.drive_friction
+    return p.housing_drag + p.output_drag + viscous * speed
+
+
 def balance_speed(p: Parameters, d: Constants, stall: float) -> float:
     """Return the input speed, rad/s, at which friction and drag take the stall torque; 0 without any.
 
@@ -281,8 +347,8 @@ def balance_speed(p: Parameters, d: Constants, stall: float) -> float:
         d: constants
         stall: stall torque of the ideal motion over omega1^2, kg m^2
     """
-    viscous = p.link2_friction + p.housing_drag_viscous + p.output_drag_viscous + d.k * d.k * p.drive_friction
-    drag = p.housing_drag + p.output_drag
+    drag = resistance(p, d, 0.0)
+    viscous = resistance(p, d, 1.0) - drag
     stall = max(stall, MIN_STALL_RATIO * d.F_by_speed)
     if not stall > 0.0:
         return 0.0
@@ -322,7 +388,7 @@ def write_orbit(
     column.torque[m] = x.output_impulse / (time * square)
     column.link2[m] = (omega1 - angle_travelled(x) / (d.k * time)) / speed
     for cause in range(len(LOSSES)):
-        column.lost[len(SLOWNESS) * cause + m] = x.lost[int(LOSSES[cause])] / (time * speed * square)
+        column.lost[SLOWNESSES * cause + m] = x.lost[int(LOSSES[cause])] / (time * speed * square)
     if m == 0:
         column.inertia = 2.0 * w.orbit_energy / square - d.J1
         mean = x.output_impulse / time
@@ -341,7 +407,7 @@ def copy_orbit(column: Column, before: Column, m: int) -> None:
     """
     column.torque[m] = before.torque[m]
     column.link2[m] = before.link2[m]
-    for n in range(m, len(column.lost), len(SLOWNESS)):
+    for n in range(m, len(column.lost), SLOWNESSES):
         column.lost[n] = before.lost[n]
     if m == 0:
         column.inertia, column.ripple, column.peak = before.inertia, before.ripple, before.peak
@@ -359,7 +425,7 @@ def write_even(d: Constants, side: Side, column: Column, m: int, ratio: float) -
         m: number of the slowness
         ratio: omega3 / |omega1|
     """
-    speed = side.slow * max((1.0 - SLOWNESS[m]) / SLOWNESS[m], REST_SPEED_RATIO)
+    speed = side.slow * max((1.0 - side.slowness[m]) / side.slowness[m], REST_SPEED_RATIO)
     omega3 = ratio * speed
     pull = d.k * d.k * d.bq / (1.0 - d.mesh_loss)
     resisting = pull + d.b2 + d.housing_drag_viscous
@@ -378,9 +444,9 @@ def write_even(d: Constants, side: Side, column: Column, m: int, ratio: float) -
     drag += (d.output_drag + d.output_drag_viscous * over) * over
     # in the order of LOSSES; journals lose nothing
     column.lost[m] = viscous / power
-    column.lost[len(SLOWNESS) + m] = d.mesh_loss * pull * slip * slip / power
-    column.lost[2 * len(SLOWNESS) + m] = 0.0
-    column.lost[3 * len(SLOWNESS) + m] = drag / power
+    column.lost[SLOWNESSES + m] = d.mesh_loss * pull * slip * slip / power
+    column.lost[2 * SLOWNESSES + m] = 0.0
+    column.lost[3 * SLOWNESSES + m] = drag / power
 
 
 def grid_ratio(side: Side, n: int) -> float:
@@ -388,8 +454,31 @@ def grid_ratio(side: Side, n: int) -> float:
     return min(max(side.end * RATIOS[n], FIRST_RATIO * side.end), side.end * (1.0 - LAST_SLIP))
 
 
+def add_orbit(d: Constants, w: Workspace, side: Side, n: int, m: int, omega1: float) -> bool:
+    """Write the orbit of ratio n for slowness m; without an orbit, write the means of the ratio before.
+
+    Args:
+        d: constants with the friction of this slowness
+        w: workspace
+        side: map for one sign of omega1
+        n: number of the ratio
+        m: number of the slowness
+        omega1: mean input speed of the orbit, rad/s
+
+    Returns:
+        True if the column has means.
+    """
+    scale = abs(omega1) + (side.slow if m > 0 else 0.0)
+    time = find_orbit(d, w.part, w, omega1, grid_ratio(side, n), period_length(d))
+    if time > 0.0:
+        write_orbit(d, w.part, w, side.columns[n], m, omega1, scale, time)
+    elif n > 0:
+        copy_orbit(side.columns[n], side.columns[n - 1], m)
+    return time > 0.0 or n > 0
+
+
 def add_orbits(d: Constants, w: Workspace, side: Side, m: int, omega1: float) -> bool:
-    """Write the orbits of all ratios for slowness m; a ratio without one has the means of the ratio before.
+    """Write the orbits of all ratios for slowness m. Returns True if there is an orbit at the first ratio.
 
     Args:
         d: constants with the friction of this slowness
@@ -397,39 +486,90 @@ def add_orbits(d: Constants, w: Workspace, side: Side, m: int, omega1: float) ->
         side: map for one sign of omega1
         m: number of the slowness
         omega1: mean input speed of the orbits, rad/s
-
-    Returns:
-        True if there is an orbit at the first ratio.
     """
-    length = period_length(d)
-    scale = abs(omega1) + (side.slow if 0 < m < EVEN else 0.0)
     w.orbit_torque = 0.0
     for n in range(len(RATIOS)):
-        time = find_orbit(d, w.part, w, omega1, grid_ratio(side, n), length)
-        if time > 0.0:
-            write_orbit(d, w.part, w, side.columns[n], m, omega1, scale, time)
-        elif n == 0:
+        if not add_orbit(d, w, side, n, m, omega1):
             return False
-        else:
-            copy_orbit(side.columns[n], side.columns[n - 1], m)
     return True
 
 
-def shift_orbits(column: Column, m: int) -> None:
+def shift_orbits(side: Side, column: Column, before: Column) -> None:
     """Add to the orbits at constant input speed the change that the oscillation of the input speed makes.
 
-    The change is the change without friction: the orbit by torque is at slowness 0, the orbit at constant
-    speed at EVEN.
+    The change is the change without friction: between the orbit by torque and the orbit at constant speed.
 
     Args:
-        column: of the map
-        m: number of the slowness
+        side: map for one sign of omega1
+        column: of the map, at slowness 0 with the orbit by torque
+        before: the same column, at slowness 0 with the orbit at constant input speed
     """
-    share = (1.0 - SLOWNESS[m]) * (1.0 - SLOWNESS[m])
-    column.torque[m] += share * (column.torque[0] - column.torque[EVEN])
-    column.link2[m] += column.link2[0] - column.link2[EVEN]
-    for n in range(0, len(column.lost), len(SLOWNESS)):
-        column.lost[n + m] += share * (column.lost[n] - column.lost[n + EVEN])
+    for m in range(1, len(side.slowness) - N_EVEN):
+        share = (1.0 - side.slowness[m]) * (1.0 - side.slowness[m])
+        column.torque[m] += share * (column.torque[0] - before.torque[0])
+        column.link2[m] += column.link2[0] - before.link2[0]
+        for n in range(0, len(column.lost), SLOWNESSES):
+            column.lost[n + m] += share * (column.lost[n] - before.lost[n])
+
+
+def curvature(side: Side, n: int, m: int) -> float:
+    """Return the second divided difference of the torque over three slownesses in a column, over V^2.
+
+    Args:
+        side: map for one sign of omega1
+        n: number of the ratio
+        m: number of the slowness in the middle
+    """
+    torque = side.columns[n].torque
+    left, right = side.slowness[m] - side.slowness[m - 1], side.slowness[m + 1] - side.slowness[m]
+    return ((torque[m + 1] - torque[m]) / right - (torque[m] - torque[m - 1]) / left) / (left + right)
+
+
+def interpolation_error(side: Side, m: int, count: int) -> float:
+    """Return an estimate of the interpolation error of the torque in an interval of slownesses, over V^2.
+
+    The square of the width times the change of the curvature to the neighbour where it changes less. The
+    choice between two neighbours (as in ENO interpolation) leaves out a kink in one of them.
+
+    Args:
+        side: map for one sign of omega1
+        m: number of the interval
+        count: number of slownesses so far
+    """
+    width = side.slowness[m + 1] - side.slowness[m]
+    largest = 0.0
+    for n in range(len(RATIOS)):
+        left = right = 1e300
+        if m > 1:
+            left = abs(curvature(side, n, m) - curvature(side, n, m - 1))
+        if m < count - 3:
+            right = abs(curvature(side, n, m + 1) - curvature(side, n, m + 2))
+        largest = max(largest, width * width * min(left, right))
+    return largest
+
+
+def insert_slowness(side: Side, m: int, count: int) -> None:
+    """Insert the middle of an interval of slownesses; its values in the columns are still to be written.
+
+    Args:
+        side: map for one sign of omega1
+        m: number of the interval
+        count: number of slownesses so far
+    """
+    for i in range(count - m):
+        side.slowness[count - i] = side.slowness[count - i - 1]
+    side.slowness[m + 1] = 0.5 * (side.slowness[m] + side.slowness[m + 2])
+    for n in range(len(RATIOS)):
+        numbers = side.columns[n].numbers
+        for place in range(0, ENERGY, SLOWNESSES):
+            for i in range(count - m):
+                numbers[place + count - i] = numbers[place + count - i - 1]
+
+
+def add_slow_orbits(d: Constants, w: Workspace, side: Side, m: int) -> bool:
+    """Write the orbits of all ratios for slowness m above 0. Returns True if there are orbits."""
+    omega1 = side.direction * side.slow * (1.0 - side.slowness[m]) / side.slowness[m]
+    return add_orbits(d, w, side, m, omega1)
 
 
 def add_friction(p: Parameters, d: Constants, w: Workspace, side: Side) -> bool:
@@ -439,25 +579,55 @@ def add_friction(p: Parameters, d: Constants, w: Workspace, side: Side) -> bool:
 
     Args:
         p: parameters
-        d: constants with a held output, without friction
+        d: constants with a held output, driven by speed
         w: workspace
         side: map for one sign of omega1, complete at slowness 0, with its V0
     """
-    by_torque = d.by_torque
-    d.by_torque = 0.0
-    complete = by_torque == 0.0 or add_orbits(d, w, side, EVEN, side.direction)
     set_friction(p, d, 1.0)
-    for m in range(1, EVEN):
-        omega1 = side.direction * side.slow * (1.0 - SLOWNESS[m]) / SLOWNESS[m]
-        complete = complete and add_orbits(d, w, side, m, omega1)
-        if by_torque != 0.0:
-            for n in range(len(RATIOS)):
-                shift_orbits(side.columns[n], m)
+    count = len(FIRST_SLOWNESSES)
+    for m in range(count):
+        side.slowness[m] = FIRST_SLOWNESSES[m]
     for n in range(len(RATIOS)):
-        for m in range(EVEN, len(SLOWNESS)):
+        for m in range(count - N_EVEN, count):
             write_even(d, side, side.columns[n], m, grid_ratio(side, n))
-    d.by_torque = by_torque
+    complete = True
+    for m in range(1, count - N_EVEN):
+        complete = complete and add_slow_orbits(d, w, side, m)
+    while complete and count < SLOWNESSES:
+        worst, largest = 0, -1.0
+        for m in range(count - N_EVEN):
+            z = 0.5 * (side.slowness[m] + side.slowness[m + 1])
+            speed = side.slow * (1.0 - z) / z
+            scale = max(side.columns[0].torque[0] * speed * speed, resistance(p, d, speed))
+            error = interpolation_error(side, m, count) / (z * z * scale)
+            if error > largest:
+                worst, largest = m, error
+        insert_slowness(side, worst, count)
+        count += 1
+        complete = add_slow_orbits(d, w, side, worst + 1)
+    set_friction(p, d, 0.0)
     return complete
+
+
+def drive_by_torque(d: Constants, w: Workspace, side: Side) -> bool:
+    """Replace the orbits without friction by orbits at constant input torque, and shift all others likewise.
+
+    Args:
+        d: constants with a held output, without friction, driven by torque
+        w: workspace
+        side: map for one sign of omega1, complete at constant input speed
+
+    Returns:
+        True if there are periodic orbits.
+    """
+    w.orbit_torque = 0.0
+    for n in range(len(RATIOS)):
+        copy(w.column.numbers, side.columns[n].numbers)
+        if not add_orbit(d, w, side, n, 0, side.direction):
+            return False
+        if side.slow > 0.0:
+            shift_orbits(side, side.columns[n], w.column)
+    return True
 
 
 def extend(d: Constants, w: Workspace, side: Side) -> None:
@@ -491,14 +661,20 @@ def build_side(p: Parameters, d: Constants, w: Workspace, side: Side) -> bool:
     set_friction(p, d, 0.0)
     if d.lossy != 0.0 and side.direction < 0.0:
         extend(d, w, side)
-    if not add_orbits(d, w, side, 0, side.direction):
-        return False
+    by_torque = d.by_torque
+    if d.lossy != 0.0:
+        d.by_torque = 0.0
+    complete = add_orbits(d, w, side, 0, side.direction)
+    if complete and d.lossy != 0.0:
+        side.slow = balance_speed(p, d, side.columns[0].torque[0])
+        complete = side.slow == 0.0 or add_friction(p, d, w, side)
+        d.by_torque = by_torque
+        if complete and by_torque != 0.0:
+            complete = drive_by_torque(d, w, side)
     last = side.columns[len(RATIOS) - 1]
     if side.end < 1.0 or side.direction < 0.0:
         last.torque[0] = min(last.torque[0], 0.0)
-    if d.lossy != 0.0:
-        side.slow = balance_speed(p, d, side.columns[0].torque[0])
-    return side.slow == 0.0 or add_friction(p, d, w, side)
+    return complete
 
 
 def is_map_of(p: Parameters, d: Constants) -> bool:

@@ -9,7 +9,7 @@ import math
 
 from ..accumulate import clear
 from ..equations.losses import JOURNAL, MESH
-from ..equations.states import LOCKED, has_engaged_spring
+from ..equations.states import ENGAGED_COMPLIANT, LOCKED, has_engaged_spring
 from ..links import response, shaft_frequency
 from ..records import Constants, Followed, State, Workspace
 from ..tableau import (
@@ -42,6 +42,25 @@ def fastest_output(d: Constants, x: State, change: Followed) -> float:
     return speed
 
 
+def damped_scale(d: Constants, x: State, links: float, scale: float) -> float:
+    """Return the scale of the speed of link 2 where dampers of freewheels act on it, rad/s.
+
+    An error of the speed is an error of the damping torque, which may be at most the tolerance times the
+    torque of the pulses. Otherwise the error opens a freewheel.
+
+    Args:
+        d: constants
+        x: state at the beginning of the step
+        links: largest speed of links 1 and 2, rad/s
+        scale: scale without dampers, rad/s
+    """
+    damping = d.housing_damping if x.housing_state == ENGAGED_COMPLIANT else 0.0
+    if x.output_state == ENGAGED_COMPLIANT:
+        damping = max(damping, d.freewheel_damping)
+    torque = d.F_by_speed * links * links
+    return torque / damping if damping * scale > torque else scale
+
+
 def write_scales(d: Constants, x: State, w: Workspace) -> None:
     """Write the scale of each integrated quantity into w.scale, 0 for a quantity whose error does not count.
 
@@ -59,7 +78,10 @@ def write_scales(d: Constants, x: State, w: Workspace) -> None:
     if d.by_torque != 0.0:
         scale.omega1 = response(d, d.J1) * links
     carried = d.J3 if x.output_state == LOCKED else 0.0
-    scale.omega2 = max(response(d, d.J2 + carried) * links, abs(change.omega2))
+    scale.omega2 = response(d, d.J2 + carried) * links
+    if has_engaged_spring(x):
+        scale.omega2 = damped_scale(d, x, links, scale.omega2)
+    scale.omega2 = max(scale.omega2, abs(change.omega2))
     behind = max(response(d, d.J2 + d.J3) * output, abs(change.omega3))
     if d.elastic != 0.0:
         behind = max(behind, abs(change.relative))
