@@ -19,7 +19,7 @@ from inertia_module.interface.variables import LOCAL, OUTPUT, with_causality
 from inertia_module.scene import load_scene
 from inertia_module.viewer import html
 from inertia_module.viewer.html import TEMPLATE
-from tests.system.chromium import DESK, FONTS, PHONE, REFERENCE, ROOT, Opened, set_font
+from tests.system.chromium import DESK, FONTS, PHONE, REFERENCE, ROOT, Opened, serious_faults, set_font
 from tests.system.programs import command, is_one_line, left
 from tests.unit import scenes
 
@@ -357,8 +357,6 @@ def test_converter_chart_agrees_with_the_package(page):
 
 # --- sizes, colour schemes, accessibility and speed ---
 
-AXE = ROOT / "viewer" / "node_modules" / "axe-core" / "axe.min.js"
-AXE_RUN = "axe.run({ rules: { 'target-size': { enabled: true } } })"
 PAPER = "getComputedStyle(document.body).backgroundColor"
 
 
@@ -382,30 +380,17 @@ def test_no_text_overflows_in_any_font_and_the_theme_switches(sized):
 
 
 def test_axe_finds_no_serious_fault(sized):
-    if not AXE.exists():
-        pytest.skip("axe-core is not installed: `make page` installs it")
-    sized.page.evaluate(AXE.read_text())
     for scheme in ("light", "dark"):
         sized.page.emulate_media(color_scheme=scheme)
-        assert serious_faults(sized) == [], scheme
+        assert serious_faults(sized.drawn().page) == [], scheme
     set_field(sized, "omega1", "abc")
-    assert serious_faults(sized) == [], "wrong text in a field"
+    assert serious_faults(sized.drawn().page) == [], "wrong text in a field"
     sized.press("Tour")
     sized.integrated()
-    assert serious_faults(sized) == [], "tour"
+    assert serious_faults(sized.drawn().page) == [], "tour"
     sized.press("End tour")
     sized.press("What is this? Keys")
-    assert serious_faults(sized) == [], "help"
-
-
-def serious_faults(opened):
-    """Return the serious faults that axe finds in the page as it is."""
-    return [
-        (fault["id"], node["target"], node["failureSummary"])
-        for fault in opened.drawn().page.evaluate(AXE_RUN)["violations"]
-        if fault["impact"] in ("serious", "critical")
-        for node in fault["nodes"]
-    ]
+    assert serious_faults(sized.drawn().page) == [], "help"
 
 
 def test_touch_targets_have_24_pixels(sized):
