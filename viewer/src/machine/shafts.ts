@@ -1,6 +1,6 @@
 // Shafts, freewheels, flywheel and mount: parts on the central axis besides the mechanism.
 
-import { Group, Mesh, Vector3, type BufferGeometry, type MeshPhongMaterial } from "three";
+import { Group, Mesh, Vector3, type BufferGeometry, type MeshLambertMaterial } from "three";
 import { value, type Parameters } from "./geometry";
 import type { Mechanism } from "./mechanism";
 import type { PartName } from "./labels";
@@ -22,7 +22,7 @@ export interface Stations {
   readonly end: number;
 }
 
-type Rollers = Mesh<BufferGeometry, MeshPhongMaterial>;
+type Rollers = Mesh<BufferGeometry, MeshLambertMaterial>;
 
 export interface Shafts {
   readonly stations: Stations;

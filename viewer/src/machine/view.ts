@@ -1,7 +1,7 @@
 // The 3-D view: mechanism, lights and camera.
 
 import {
-  DirectionalLight, Group, HemisphereLight, Mesh, type MeshPhongMaterial, PerspectiveCamera, Plane, Raycaster, Scene, Vector2, Vector3,
+  DirectionalLight, Group, HemisphereLight, Mesh, type MeshLambertMaterial, PerspectiveCamera, Plane, Raycaster, Scene, Vector2, Vector3,
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
@@ -259,7 +259,7 @@ export class View {
     return { drawn: this.world.worldToLocal(place).toArray(), arrow: built.annotations.imbalance.toArray() };
   }
 
-  private tint(material: MeshPhongMaterial, part: number): void {
+  private tint(material: MeshLambertMaterial, part: number): void {
     material.color.lerpColors(this.steel, this.amber, part);
     material.emissive.set(PARTS.holds).multiplyScalar(0.35 * part);
   }
