@@ -422,6 +422,45 @@ def test_first_picture_and_frames_are_quick(browser, written):
         assert opened.state("playing")
 
 
+# Delay each frame of the page; count frames, draw calls, and movements of the cursor of the curves.
+SLOW_FRAMES = """{
+    window.counts = { frames: 0, calls: 0, moves: 0 };
+    const request = window.requestAnimationFrame;
+    window.requestAnimationFrame = draw => setTimeout(() => { counts.frames += 1; request(draw); }, 60);
+    const { prototype } = window.WebGL2RenderingContext;
+    for (const name of Object.keys(prototype).filter(name => /^draw(A|E)/.test(name))) {
+        const call = prototype[name];
+        prototype[name] = function (...values) { counts.calls += 1; call.apply(this, values); };
+    }
+    const mark = document.querySelector('.panel .mark');
+    new MutationObserver(() => { counts.moves += 1; }).observe(mark, { attributes: true });
+}"""
+
+
+def test_slow_frames_lower_the_resolution_and_a_picture_at_rest_is_sharp_and_not_drawn(page):
+    counts = "Object.values(window.counts)"
+    full = page.page.evaluate("devicePixelRatio")
+    page.page.evaluate(SLOW_FRAMES)
+
+    def wait_for(condition):
+        page.page.wait_for_function(f"given => {condition}", arg=full, polling=50)
+
+    page.press("Play")
+    wait_for("inertiaModule.state().pixelRatio === 0.5 * given")
+    before = page.page.evaluate(counts)
+    page.page.wait_for_timeout(2000)
+    frames, calls, moves = np.subtract(page.page.evaluate(counts), before)
+    # A processor draws one call after the other. The cursors move less often than the picture.
+    assert 0 < calls < 30 * frames
+    assert 0 < moves < 0.8 * frames
+    page.press("Pause")
+    wait_for("inertiaModule.state().pixelRatio >= given")
+    page.page.wait_for_timeout(300)
+    before = page.page.evaluate(counts)
+    page.page.wait_for_timeout(500)
+    assert page.page.evaluate(counts) == before
+
+
 # --- the kernel of the page has the results and messages of the native FMU ---
 
 
