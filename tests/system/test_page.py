@@ -130,6 +130,17 @@ def test_every_scene_of_the_page_is_accepted(page):
     assert page.errors == []
 
 
+def test_modules_that_do_not_fit_have_a_remark(page):
+    for modules, words in ((2, ""), (6, "6 modules do not fit around the central axis, at most 2")):
+        set_field(page, "modules", str(modules))
+        page.page.wait_for_function(
+            "modules => inertiaModule.state().run?.parameters.modules === modules", arg=modules
+        )
+        page.integrated()
+        assert page.page.locator(MESSAGE).inner_text().startswith(words)
+        assert bool(page.page.locator(MESSAGE).inner_text()) == bool(words)
+
+
 def test_imbalance_is_drawn_at_its_kernel_position(page):
     """The picture consists of rotated groups; the arrows have formulas of the page."""
     askew = "reference&satellites=2&epsilon=0.4&gamma=-0.7&shaft_angle=1.2"
