@@ -115,7 +115,8 @@ export function buildShafts(parameters: Parameters, mechanism: Mechanism, palett
     ["output", stations.freewheel, value(parameters, "output_freewheel")],
   ] as const) {
     if (there === 0) continue;
-    races.push(race(at - width / 2, at + width / 2, radius, inner));
+    // the bore clears the shaft, so that a cut shows one surface
+    races.push(race(at - width / 2, at + width / 2, radius * 1.02, inner));
     mechanism.link2.add(rolling[name]);
   }
   mechanism.link2.add(new Mesh(merged(races), material.link2));
