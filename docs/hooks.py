@@ -83,3 +83,8 @@ def on_page_content(content, page, config, **_):
         return f'<figure><a href="{source}" title="full size">{image}</a>{below}</figure>'
 
     return FORMULA.sub(typeset, FIGURE.sub(figure, content)) + TO_TOP
+
+
+def on_post_page(output, **_):
+    """Name the dialog of the search."""
+    return output.replace('role="dialog">', 'role="dialog" aria-label="Search">')

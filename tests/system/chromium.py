@@ -5,6 +5,7 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
+import pytest
 
 ROOT = Path(__file__).parents[2]
 REFERENCE = ROOT / "examples" / "reference.toml"
@@ -20,6 +21,8 @@ FLAGS = (
 # Fonts of matplotlib and their letter spacing. Text has the same width on all machines, and is wider or
 # narrower than in common fonts.
 FONTS = {"narrow": ("STIXGeneral.ttf", "-0.02em"), "wide": ("DejaVuSansMono.ttf", "0.04em")}
+AXE = ROOT / "viewer" / "node_modules" / "axe-core" / "axe.min.js"
+AXE_RUN = "axe.run({ rules: { 'target-size': { enabled: true } } })"
 PAGE_FUNCTIONS = Path(__file__).with_name("page.js").read_text()
 
 
@@ -32,6 +35,20 @@ def set_font(page, name):
         f" :not(math, math *) {{ font-family: {name} !important; letter-spacing: {spacing} !important; }}"
     )
     page.evaluate(f"document.fonts.load('16px {name}')")
+
+
+def serious_faults(page):
+    """Return the serious faults that axe-core finds in a page of Playwright as it is."""
+    if not AXE.exists():
+        pytest.skip("axe-core is not installed: `make page` installs it")
+    if not page.evaluate("'axe' in window"):
+        page.evaluate(AXE.read_text())
+    return [
+        (fault["id"], node["target"], node["failureSummary"])
+        for fault in page.evaluate(AXE_RUN)["violations"]
+        if fault["impact"] in ("serious", "critical")
+        for node in fault["nodes"]
+    ]
 
 
 class Opened:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from inertia_module.viewer.html import TEMPLATE
-from tests.system.chromium import FONTS, set_font
+from tests.system.chromium import FONTS, serious_faults, set_font
 from tests.system.programs import process
 
 ROOT = Path(__file__).parents[2]
@@ -23,6 +23,11 @@ TABLES = {
     *("reference/variables.html", "reference/api.html", "reference/commands.html", "papers/index.html"),
     *("verification/performance.html", "verification/stability.html", "changelog.html"),
 }
+# A page of each kind: start, program with output, guide, table, formulas, measurements.
+KINDS = (
+    *("index.html", "tutorial/index.html", "how_to/fidelity.html", "reference/variables.html"),
+    *("explanation/mechanics.html", "verification/performance.html"),
+)
 # Pages without text.
 NO_TEXT = {"404.html", "machine.html"}
 
@@ -142,6 +147,27 @@ def test_site_is_dark_if_the_reader_prefers_it_and_links_are_underlined(site, br
     line = page.locator("article p a").first.evaluate("link => getComputedStyle(link).textDecorationLine")
     assert line == "underline"
     page.close()
+
+
+@pytest.mark.parametrize(("scheme", "width"), [("light", "phone"), ("dark", "desktop")])
+def test_axe_finds_no_serious_fault(site, browser, scheme, width):
+    address, _ = site
+    page = browser.new_page(viewport={"width": WIDTHS[width], "height": 800}, color_scheme=scheme)
+    for name in KINDS:
+        page.goto(address + name)
+        assert serious_faults(page) == [], name
+    page.close()
+
+
+def test_wide_table_takes_the_focus_and_a_narrow_one_does_not(visit):
+    page = visit("reference/variables.html", "phone")
+    boxes = page.locator(".md-typeset__scrollwrap")
+    focusable = "boxes => boxes.map(box => [box.scrollWidth > box.clientWidth, box.tabIndex === 0])"
+    scrolls, focuses = zip(*boxes.evaluate_all(focusable), strict=True)
+    assert scrolls == focuses
+    assert any(scrolls)
+    page.set_viewport_size({"width": 2000, "height": 800})
+    page.wait_for_function("!document.querySelector('.md-typeset__scrollwrap[tabindex]')")
 
 
 def test_site_has_no_byte_code(site):

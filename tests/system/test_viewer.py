@@ -19,7 +19,7 @@ from inertia_module.interface.variables import LOCAL, OUTPUT, with_causality
 from inertia_module.scene import load_scene
 from inertia_module.viewer import html
 from inertia_module.viewer.html import TEMPLATE
-from tests.system.chromium import DESK, FONTS, PHONE, REFERENCE, ROOT, Opened, set_font
+from tests.system.chromium import DESK, FONTS, PHONE, REFERENCE, ROOT, Opened, serious_faults, set_font
 from tests.system.programs import assert_one_line_error, command, stdout_of
 from tests.unit import scenes
 
@@ -128,6 +128,17 @@ def test_every_scene_of_the_page_is_accepted(page):
         assert page.state("error") == ""
         assert np.isfinite(page.column("omega_out")).all()
     assert page.errors == []
+
+
+def test_modules_that_do_not_fit_have_a_remark(page):
+    for modules, words in ((2, ""), (6, "6 modules do not fit around the central axis, at most 2")):
+        set_field(page, "modules", str(modules))
+        page.page.wait_for_function(
+            "modules => inertiaModule.state().run?.parameters.modules === modules", arg=modules
+        )
+        page.integrated()
+        assert page.page.locator(MESSAGE).inner_text().startswith(words)
+        assert bool(page.page.locator(MESSAGE).inner_text()) == bool(words)
 
 
 def test_imbalance_is_drawn_at_its_kernel_position(page):
@@ -357,8 +368,6 @@ def test_converter_chart_agrees_with_the_package(page):
 
 # --- sizes, colour schemes, accessibility and speed ---
 
-AXE = ROOT / "viewer" / "node_modules" / "axe-core" / "axe.min.js"
-AXE_RUN = "axe.run({ rules: { 'target-size': { enabled: true } } })"
 PAPER = "getComputedStyle(document.body).backgroundColor"
 
 
@@ -382,30 +391,17 @@ def test_no_text_overflows_in_any_font_and_the_theme_switches(sized):
 
 
 def test_axe_finds_no_serious_fault(sized):
-    if not AXE.exists():
-        pytest.skip("axe-core is not installed: `make page` installs it")
-    sized.page.evaluate(AXE.read_text())
     for scheme in ("light", "dark"):
         sized.page.emulate_media(color_scheme=scheme)
-        assert serious_faults(sized) == [], scheme
+        assert serious_faults(sized.drawn().page) == [], scheme
     set_field(sized, "omega1", "abc")
-    assert serious_faults(sized) == [], "wrong text in a field"
+    assert serious_faults(sized.drawn().page) == [], "wrong text in a field"
     sized.press("Tour")
     sized.integrated()
-    assert serious_faults(sized) == [], "tour"
+    assert serious_faults(sized.drawn().page) == [], "tour"
     sized.press("End tour")
     sized.press("What is this? Keys")
-    assert serious_faults(sized) == [], "help"
-
-
-def serious_faults(opened):
-    """Return the serious faults that axe finds in the page as it is."""
-    return [
-        (fault["id"], node["target"], node["failureSummary"])
-        for fault in opened.drawn().page.evaluate(AXE_RUN)["violations"]
-        if fault["impact"] in ("serious", "critical")
-        for node in fault["nodes"]
-    ]
+    assert serious_faults(sized.drawn().page) == [], "help"
 
 
 def test_touch_targets_have_24_pixels(sized):
@@ -435,6 +431,45 @@ def test_first_picture_and_frames_are_quick(browser, written):
         frame = (spent("ScriptDuration") - before) / page.evaluate("drawn")
         assert 0 < frame < 8e-3
         assert opened.state("playing")
+
+
+# Delay each frame of the page; count frames, draw calls, and movements of the cursor of the curves.
+SLOW_FRAMES = """{
+    window.counts = { frames: 0, calls: 0, moves: 0 };
+    const request = window.requestAnimationFrame;
+    window.requestAnimationFrame = draw => setTimeout(() => { counts.frames += 1; request(draw); }, 60);
+    const { prototype } = window.WebGL2RenderingContext;
+    for (const name of Object.keys(prototype).filter(name => /^draw(A|E)/.test(name))) {
+        const call = prototype[name];
+        prototype[name] = function (...values) { counts.calls += 1; call.apply(this, values); };
+    }
+    const mark = document.querySelector('.panel .mark');
+    new MutationObserver(() => { counts.moves += 1; }).observe(mark, { attributes: true });
+}"""
+
+
+def test_slow_frames_lower_the_resolution_and_a_picture_at_rest_is_sharp_and_not_drawn(page):
+    counts = "Object.values(window.counts)"
+    full = page.page.evaluate("devicePixelRatio")
+    page.page.evaluate(SLOW_FRAMES)
+
+    def wait_for(condition):
+        page.page.wait_for_function(f"given => {condition}", arg=full, polling=50)
+
+    page.press("Play")
+    wait_for("inertiaModule.state().pixelRatio === 0.5 * given")
+    before = page.page.evaluate(counts)
+    page.page.wait_for_timeout(2000)
+    frames, calls, moves = np.subtract(page.page.evaluate(counts), before)
+    # A processor draws one call after the other. The cursors move less often than the picture.
+    assert 0 < calls < 30 * frames
+    assert 0 < moves < 0.8 * frames
+    page.press("Pause")
+    wait_for("inertiaModule.state().pixelRatio >= given")
+    page.page.wait_for_timeout(300)
+    before = page.page.evaluate(counts)
+    page.page.wait_for_timeout(500)
+    assert page.page.evaluate(counts) == before
 
 
 # --- the kernel of the page has the results and messages of the native FMU ---

@@ -24,6 +24,9 @@ const SETTABLE = new Set([
 /** Scene of the guided tour, if the page has it. */
 const TOUR_SCENE = "reference";
 
+/** Interval between updates of names, curves and numbers while frames are slow, ms. */
+const SELDOM = 125;
+
 /** Speed at which a pulse takes four seconds on the wall. */
 function pulseSpeed([from, to]: [number, number]): number {
   return Number(((to - from) / 4).toPrecision(1)) || 1;
@@ -47,6 +50,8 @@ export class App {
   /** Step of the tour whose run is not complete. */
   private step: TourStep | null = null;
   private last = Infinity;
+  /** Time of the last update of names, curves and numbers, ms. */
+  private stood = 0;
 
   constructor() {
     const linked = fromHash(location.hash, [...SCENES.keys()], SETTABLE);
@@ -221,7 +226,10 @@ export class App {
     this.player.advance(passed);
     if (!this.wanted || !this.run) return;
     const { clock } = this.player;
-    this.wanted = this.picture.draw(this.run, clock.time, clock.playing ? passed : Infinity);
+    const isDue = !clock.playing || !this.picture.isSlow || now - this.stood >= SELDOM;
+    this.wanted = this.picture.draw(this.run, clock.time, clock.playing ? passed : Infinity, isDue);
+    if (!isDue) return;
+    this.stood = now;
     this.curves.stand(clock.time, clock.playing);
     this.panels.stand(this.run, clock.time, clock.playing);
   }

@@ -85,6 +85,11 @@ export class Picture {
     return this.view.pixelRatio;
   }
 
+  /** Return true while frames are slow. */
+  get isSlow(): boolean {
+    return this.view.isSlow;
+  }
+
   show(shown: Shown): void {
     this.view.show(shown);
     this.again();
@@ -96,7 +101,7 @@ export class Picture {
     this.view.build(parameters, true);
     this.view.draw({
       q: 0, theta1: 0, thetaOut: 0, twist: 0, holds: this.holds, play: this.play, column, past: () => ({ q: 0, theta1: 0 }),
-    }, true);
+    }, true, true);
   }
 
   /** Show the mechanism of a run; build it again only if its parameters differ. */
@@ -116,8 +121,8 @@ export class Picture {
     this.trail = 2 * (to - from) || lengthOf(run);
   }
 
-  /** Draw the mechanism; return true while its colours change. */
-  draw(run: Run, time: number, passed: number): boolean {
+  /** Draw the mechanism, and move its names if `isDue`; return true while its colours change. */
+  draw(run: Run, time: number, passed: number, isDue: boolean): boolean {
     const mode = holding(nearest(run, "contact_mode", time));
     const part = 1 - Math.exp(-passed / CALM);
     let changing = false;
@@ -135,7 +140,7 @@ export class Picture {
         const at = Math.max(0, time - this.trail * (1 - part));
         return { q: valueAt(run, "q", at), theta1: valueAt(run, "theta1", at) };
       },
-    }, Number.isFinite(passed) || this.settling !== 0);
+    }, Number.isFinite(passed) || this.settling !== 0, isDue || this.settling !== 0);
     return changing;
   }
 

@@ -82,9 +82,10 @@ export class Annotations {
     this.largest = { acceleration: acceleration || 1, force: force || 1, torque: torque || 1 };
   }
 
-  place({ q, theta1, column }: Instant): void {
+  /** Point the arrows; write the values if `isDue`. */
+  place({ q, theta1, column }: Instant, isDue: boolean): void {
     const now = performance.now();
-    if (now - this.updated > READABLE) {
+    if (isDue && now - this.updated > READABLE) {
       this.updated = now;
       for (const { element, text } of this.texts) setText(element, text(column));
     }

@@ -101,6 +101,9 @@ export function bevelMechanism(shape: Bevel, imbalanceRadius: number, drawn: num
   const hub2 = race(at2 - 2 * thick, at2 + 2 * thick, 0, thick * 2.2);
   link2.add(new Mesh(merged([wheel2, hub2, ...spokes(6, at2, 0, radius2 * 0.9, thick * 0.7)]), palette.materials.link2));
 
+  // half the angle about Ox that gears 16, with their teeth, and 17 of a module fill
+  const half = Math.max(Math.atan(radius16 / radius2 / 0.95), Math.atan2(shape.slant * Math.sin(shape.psi), needs.bottom));
+  const fitting = Math.max(1, Math.floor(Math.PI / half + 1e-9));
   const satellites: Satellite[] = [];
   const drives: Group[] = [];
   for (let i = 0; i < drawn; i++) {
@@ -142,8 +145,8 @@ export function bevelMechanism(shape: Bevel, imbalanceRadius: number, drawn: num
     link1, link2,
     from: -flange, to: radius16, reach: Math.max(slant, Math.hypot(needs.radius, bearing)), thick,
     shift: 0, front: 0, imbalance: first.imbalance, imbalanceAt: new Vector3(shape.arm, 0, -shape.axis),
-    remarks: drawn > 1 && radius16 > radius2 * Math.tan(Math.PI / shape.modules) * 0.95
-      ? [`The ${shape.modules} modules overlap in the picture: the sizes of gears 2 and 16 are schematic.`] : [],
+    remarks: shape.modules > fitting
+      ? [`${shape.modules} modules do not fit around the central axis, at most ${fitting}: their gears pass through each other in the picture.`] : [],
     names: [
       { text: `drive gear ${z16}, on the pinion shaft`, part: "drive", on: frontModule, at: new Vector3(0, -radius16 * 0.94, radius2), side: "above" },
       { text: `gear ${z17}, fixed to link 1`, part: "link1", on: frontModule, at: new Vector3(0, -shape.slant * Math.sin(shape.psi), needs.bottom), side: "below" },

@@ -1,6 +1,6 @@
 // Materials of the parts.
 
-import { DoubleSide, MeshPhongMaterial, type Plane, type Vector3 } from "three";
+import { DoubleSide, MeshLambertMaterial, type Plane, type Vector3 } from "three";
 import { PARTS } from "../common/colours";
 
 export type Part = keyof typeof PARTS;
@@ -16,14 +16,14 @@ function capped(shader: { fragmentShader: string }): void {
 
 /** Materials of all parts. Races, gears and housing are cut in the cut-away. */
 export class Palette {
-  readonly materials: Record<Part, MeshPhongMaterial>;
+  readonly materials: Record<Part, MeshLambertMaterial>;
 
   constructor() {
-    const make = (colour: string): MeshPhongMaterial =>
-      new MeshPhongMaterial({ color: colour, flatShading: true, side: DoubleSide, shininess: 30, specular: 0x222222 });
+    const make = (colour: string): MeshLambertMaterial =>
+      new MeshLambertMaterial({ color: colour, flatShading: true, side: DoubleSide });
     this.materials = Object.fromEntries(
       Object.entries(PARTS).map(([part, colour]) => [part, make(colour)]),
-    ) as Record<Part, MeshPhongMaterial>;
+    ) as Record<Part, MeshLambertMaterial>;
     for (const part of CUT_PARTS) this.materials[part].onBeforeCompile = capped;
   }
 

@@ -38,6 +38,11 @@ export class Resolution {
     return FRACTIONS[this.place] ?? 1;
   }
 
+  /** Return true while the resolution is below the full one. */
+  get isLow(): boolean {
+    return this.place > 0;
+  }
+
   private move(by: number): void {
     this.place = Math.min(Math.max(this.place + by, 0), FRACTIONS.length - 1);
     this.frames = 0;

@@ -1,6 +1,6 @@
 // Shafts, freewheels, flywheel and mount: parts on the central axis besides the mechanism.
 
-import { Group, Mesh, Vector3, type BufferGeometry, type MeshPhongMaterial } from "three";
+import { Group, Mesh, Vector3, type BufferGeometry, type MeshLambertMaterial } from "three";
 import { value, type Parameters } from "./geometry";
 import type { Mechanism } from "./mechanism";
 import type { PartName } from "./labels";
@@ -22,7 +22,7 @@ export interface Stations {
   readonly end: number;
 }
 
-type Rollers = Mesh<BufferGeometry, MeshPhongMaterial>;
+type Rollers = Mesh<BufferGeometry, MeshLambertMaterial>;
 
 export interface Shafts {
   readonly stations: Stations;
@@ -115,7 +115,8 @@ export function buildShafts(parameters: Parameters, mechanism: Mechanism, palett
     ["output", stations.freewheel, value(parameters, "output_freewheel")],
   ] as const) {
     if (there === 0) continue;
-    races.push(race(at - width / 2, at + width / 2, radius, inner));
+    // the bore clears the shaft, so that a cut shows one surface
+    races.push(race(at - width / 2, at + width / 2, radius * 1.02, inner));
     mechanism.link2.add(rolling[name]);
   }
   mechanism.link2.add(new Mesh(merged(races), material.link2));

@@ -1,17 +1,18 @@
 // Path of the unbalanced mass: Karetin's curve in the frame of link 1, or the recent path in the fixed frame.
 
-import { BufferAttribute, BufferGeometry, Group, Line, LineBasicMaterial } from "three";
-import { Line2 } from "three/addons/lines/Line2.js";
-import { LineGeometry } from "three/addons/lines/LineGeometry.js";
-import { LineMaterial } from "three/addons/lines/LineMaterial.js";
+import {
+  BufferAttribute, BufferGeometry, Curve, Group, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, TubeGeometry, Vector3,
+} from "three";
 import { PARTS } from "../common/colours";
 import { aboutAxis, imbalance, period, type Geometry } from "./geometry";
 import type { Mechanism } from "./mechanism";
 
 export type TraceFrame = "link1" | "fixed" | "off";
 
-const POINTS_A_TURN = 240;
-const MOST_POINTS = 12000;
+const SEGMENTS_A_TURN = 72;
+const MOST_SEGMENTS = 4000;
+/** Radius of the path, as a fraction of the reach. */
+const THICKNESS = 0.006;
 const TRAIL = 900;
 const MOST_LINES = 24;
 
@@ -24,9 +25,24 @@ function movingLine(points: number): Line<BufferGeometry, LineBasicMaterial> {
   return found;
 }
 
-/** A line material of this width, in CSS pixels. */
-function drawn(linewidth: number, opacity: number): LineMaterial {
-  return new LineMaterial({ color: PARTS.trace, linewidth, transparent: true, opacity });
+/** The path of the unbalanced mass in the frame of link 1 over a period. */
+class Path extends Curve<Vector3> {
+  constructor(private readonly shape: Geometry, private readonly span: number) {
+    super();
+  }
+
+  override getPoint(part: number, target = new Vector3()): Vector3 {
+    return target.set(...imbalance(this.shape, this.span * part));
+  }
+
+  override getPointAt(part: number, target?: Vector3): Vector3 {
+    return this.getPoint(part, target);
+  }
+}
+
+/** A material of the path. */
+function drawn(opacity: number): MeshBasicMaterial {
+  return new MeshBasicMaterial({ color: PARTS.trace, transparent: true, opacity });
 }
 
 /** All traces of a mechanism. `closed` belongs into the frame of link 1, `trail` into the fixed frame. */
@@ -34,21 +50,21 @@ export class Trace {
   readonly closed = new Group();
   readonly trail = movingLine(TRAIL);
 
-  constructor(private readonly shape: Geometry, { shift, front }: Pick<Mechanism, "shift" | "front">) {
+  constructor(private readonly shape: Geometry, { shift, front, reach }: Pick<Mechanism, "shift" | "front" | "reach">) {
     this.closed.position.x = this.trail.position.x = front;
     const span = period(shape);
-    const points = Math.min(Math.ceil((span / (2 * Math.PI)) * POINTS_A_TURN), MOST_POINTS) + 1;
+    const segments = Math.min(Math.ceil((span / (2 * Math.PI)) * SEGMENTS_A_TURN), MOST_SEGMENTS);
     const satellites = shape.layout === "planar" ? shape.satellites : 1;
-    const geometry = new LineGeometry();
-    geometry.setPositions(
-      Array.from({ length: points }, (_, n) => imbalance(shape, (span * n) / (points - 1))).flat());
-    const [first, other] = [drawn(1.6, 0.9), drawn(1.2, 0.45)];
+    // a wire: the wide lines of three are instances, which a processor draws one by one
+    const wire = new TubeGeometry(new Path(shape, span), segments, THICKNESS * reach, 4, true);
+    const [first, other] = [drawn(0.9), drawn(0.45)];
     const lines = Math.min(shape.modules * satellites, MOST_LINES);
     for (let n = 0; n < lines; n++) {
-      const line = new Line2(geometry, n === 0 ? first : other);
+      const line = new Mesh(wire, n === 0 ? first : other);
       const module = Math.floor(n / satellites);
       line.rotation.x = 2 * Math.PI * (module / shape.modules + (n % satellites) / satellites);
       line.position.x = module * shift;
+      line.raycast = () => undefined;
       this.closed.add(line);
     }
     this.show("link1");

@@ -1,7 +1,7 @@
 // The 3-D view: mechanism, lights and camera.
 
 import {
-  DirectionalLight, Group, HemisphereLight, Mesh, type MeshPhongMaterial, PerspectiveCamera, Plane, Raycaster, Scene, Vector2, Vector3,
+  DirectionalLight, Group, HemisphereLight, Mesh, type MeshLambertMaterial, PerspectiveCamera, Plane, Raycaster, Scene, Vector2, Vector3,
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
@@ -200,6 +200,11 @@ export class View {
     return this.renderer.getPixelRatio();
   }
 
+  /** Return true while frames are slow. */
+  get isSlow(): boolean {
+    return this.resolution.isLow;
+  }
+
   show(shown: Shown): void {
     this.shown = { ...shown };
     this.labels.visible = shown.labels;
@@ -223,8 +228,8 @@ export class View {
     this.camera.updateProjectionMatrix();
   }
 
-  /** Draw the mechanism at one time. */
-  draw(now: Instant, isMoving: boolean): void {
+  /** Draw the mechanism at one time, and move its names if `isDue`. */
+  draw(now: Instant, isMoving: boolean, isDue: boolean): void {
     const { built, shown } = this;
     if (!built || !shown) return;
     const { mechanism, shafts, trace, annotations } = built;
@@ -242,12 +247,12 @@ export class View {
       standOff(shafts.rollers[name], now.play[name]);
     }
     trace.follow(now.past);
-    annotations.place(now);
+    annotations.place(now, isDue);
     const fraction = this.resolution.at(performance.now() / 1000, isMoving);
     const ratio = this.isSoftware && !isMoving ? Math.max(this.fullRatio, SUPERSAMPLED) : this.fullRatio * fraction;
     if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
     this.renderer.render(this.scene, this.camera);
-    this.labels.place(this.camera, this.size.width, this.size.height);
+    if (isDue) this.labels.place(this.camera, this.size.width, this.size.height);
   }
 
   /** Position of the reference mass (planet 0, module 0) and start of its arrow, m in the fixed frame. */
@@ -259,7 +264,7 @@ export class View {
     return { drawn: this.world.worldToLocal(place).toArray(), arrow: built.annotations.imbalance.toArray() };
   }
 
-  private tint(material: MeshPhongMaterial, part: number): void {
+  private tint(material: MeshLambertMaterial, part: number): void {
     material.color.lerpColors(this.steel, this.amber, part);
     material.emissive.set(PARTS.holds).multiplyScalar(0.35 * part);
   }
