@@ -47,11 +47,7 @@ EXTREMES = {}
 for case in chosen_cases():
     EXTREMES.setdefault(place(case), []).append(case)
 DOCUMENTED = {place(row): row.cells for row in read_rows(MAP)}
-# `make test` runs every eighth extreme, except for these, which take seconds each; `make test-long` runs all
-DEAR = re.compile(
-    "gravity, 1000 .*|freewheel compliance, .* 1e.08 .*|drag, output .*"
-    "|end of a range, (.*inertia 1e-09|windage .*), .*"
-)
+# `make test` runs every eighth extreme; `make test-long` runs all
 SAMPLE = 8
 
 
@@ -59,9 +55,7 @@ def to_try():
     """Return the extremes of each axis without slow cases: the sample, and the others, marked as slow."""
     chosen = {}
     for number, extreme in enumerate(key for key, cases in EXTREMES.items() if not cases[0].slow):
-        if extreme[0] == RANGE_ENDS and number % 4:
-            continue  # `make stability` tries all ends
-        slow = bool(number % SAMPLE or DEAR.fullmatch(", ".join(extreme)))
+        slow = bool(number % SAMPLE)
         chosen.setdefault((extreme[0], slow), []).append(extreme)
     for (axis, slow), extremes in chosen.items():
         yield pytest.param(extremes, id=axis + ", others" * slow, marks=pytest.mark.slow if slow else ())
