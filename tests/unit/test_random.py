@@ -36,7 +36,8 @@ def fixed_failures():
     for group in tomllib.loads(text)["failures"]:
         for number, machine in enumerate(group["machines"], 1):
             name = f"{group['failure']} {number}"
-            yield pytest.param(Motion.of(machine), group["max_switches"], id=name)
+            marks = pytest.mark.slow if machine.pop("is_slow", False) else ()
+            yield pytest.param(Motion.of(machine), group["max_switches"], id=name, marks=marks)
 
 
 @pytest.mark.parametrize("motion, switches", list(fixed_failures()))

@@ -488,8 +488,8 @@ def relative(value: float, scale: float) -> float:
 def distance(first: Run, second: Run, inertia: float = 0.0, speed_fraction: float = 0.0) -> float:
     """Return the maximum difference between the ends of two runs, relative to the maxima of both.
 
-    The scales are the maximum speed and the maximum energy; for impulses energy over speed, at least link 2 at
-    the maximum speed; for the pinion-shaft angle its change (at least 1 rad).
+    The scales are the maximum speed and the maximum energy; for impulses energy over speed, at least the
+    impulse of link 2 at the maximum speed; for the pinion-shaft angle its change (at least 1 rad).
 
     Args:
         first: a run, whose angle and impulses are scales.
@@ -502,6 +502,7 @@ def distance(first: Run, second: Run, inertia: float = 0.0, speed_fraction: floa
     scales = dict.fromkeys(SPEEDS, speed) | dict.fromkeys(ENERGIES, energy)
     scales["angle"] = max(1.0, abs(first.end["angle"]))
     for name in IMPULSES:
-        scales[name] = max(abs(first.end[name]), energy / speed if speed > 0.0 else 0.0, first.link2 * speed)
+        least = max(energy / speed if speed > 0.0 else 0.0, first.link2 * speed)
+        scales[name] = max(abs(first.end[name]), least)
     scales["output_torque_mean"] = max(scales["output_torque_mean"], inertia * speed)
     return max(relative(first.end[name] - second.end[name], scale) for name, scale in scales.items())

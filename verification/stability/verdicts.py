@@ -154,7 +154,7 @@ def try_case(case: Case, make: Make = Module) -> Trial:
 
 
 def _distances_of_changed_runs(precise: Motion, trial: Trial, make: Make) -> Iterator[float]:
-    """Yield distances that changes of the tolerance cause: of an input, then of the speed of link 2 in each step.
+    """Yield distances that changes by the tolerance cause: inputs, then the speed of link 2 in each step.
 
     Args:
         precise: motion with the tightened tolerance.
