@@ -70,7 +70,7 @@ def test_ramp_from_rest_breaks_friction_loose(compiled, losses, load):
 
 @pytest.mark.parametrize("wheel", ["housing", "freewheel"])
 def test_compliant_freewheel_never_pulls(compiled, scene, wheel):
-    for stiffness, damping in product((1e3, 1e5, 1e7, 1e8), (0.0, 1.0, 1e2, 1e4)):
+    for stiffness, damping in product((1e3, 1e5, 1e7, 1e8), (0.0, 1.0, 1e2, 1e3)):
         spring, speeds = {f"{wheel}_stiffness": stiffness, f"{wheel}_damping": damping}, []
         for tolerance in (1e-3, 1e-6, 1e-9):
             module = started(compiled, scene, scenes.ELASTIC, spring, tolerance=tolerance)

@@ -219,7 +219,7 @@ def test_bad_scene_file_is_named(tmp_path):
     file = tmp_path / "scene.toml"
     assert_rejected(r"^cannot read .*scene.toml: no such file or directory$", load_scene, file)
     file.write_text(OPEN + "[mechanism]\nz2 = 0")
-    allowed = r"must be a whole number between 1 and 1000 \(got 0\)"
+    allowed = r"must be a whole number between 5 and 1000 \(got 0\)"
     assert_rejected(f"^scene.toml: mechanism.z2 {allowed}$", load_scene, file)
 
 

@@ -164,7 +164,7 @@ def range_ends(mechanism: Mechanism) -> Iterator[tuple[str, str, dict[str, Any]]
         together = TABLE["together"].get(name, "")
         for end, side, direction in zip(variable.ends, ("below", "above"), (-1.0, 1.0), strict=True):
             if end != mechanism.parameters.get(name, variable.start):
-                changes = eval(f"dict({together})", vars(math) | {"x": end})
+                changes = eval(f"dict({together})", vars(math) | {"x": end, "TRAVEL": TRAVEL})
                 yield RANGE_ENDS, f"{name} {end:g}", {"levels": levels, name: end, **changes}
             next_one = (
                 end + direction if variable.kind == INTEGER else math.nextafter(end, direction * math.inf)

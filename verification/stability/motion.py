@@ -24,6 +24,7 @@ ELASTIC_LEVELS = (Level(ELASTIC),)
 LEVELS = (Level(KINEMATIC), Level(AVERAGED), Level(RIGID), *ELASTIC_LEVELS)
 # compared at the end of a run
 SPEEDS = ("omega2", "omega_out")
+START_SPEEDS = ("omega2_start", "omega_out_start")
 ENERGIES = ("energy_in", "energy_out")
 IMPULSES = ("input_torque_mean", "output_torque_mean")
 # the maximum of these torques is the torque scale of a run
@@ -174,18 +175,20 @@ class Motion:
         return replace(self, parameters=self.parameters | parameters)
 
     def perturbed(self, change: float) -> list[Motion]:
-        """Return six motions: start angle, load or input speed changed in both directions.
+        """Return six motions: start angle, load, or input and start speeds changed in both directions.
 
         Args:
-            change: change of the angle in rad, relative change of load and speed.
+            change: change of the angle in rad, relative change of load and speeds.
         """
         motions = []
         for signed_change in (change, -change):
             start = self.parameters.get("drive_angle_start", 0.0) + signed_change
             loads = tuple(segment.scaled(torque=1.0 + signed_change) for segment in self.segments)
             speeds = tuple(segment.scaled(speed=1.0 + signed_change) for segment in self.segments)
+            starts = {name: self[name] * (1.0 + signed_change) for name in START_SPEEDS if self[name]}
             rotated = self.changed(drive_angle_start=start)
-            motions += [rotated, replace(self, segments=loads), replace(self, segments=speeds)]
+            faster = replace(self.changed(**starts), segments=speeds)
+            motions += [rotated, replace(self, segments=loads), faster]
         return motions
 
     def started(self, module: Module) -> Module:
@@ -250,6 +253,7 @@ class Run:
         phase: phase of the pulses and of an elastic shaft, rad.
         evaluations: number of right-hand-side evaluations.
         steps: number of communication steps.
+        link2: inertia of link 2, kg m^2.
         rejection: message of the rejection that ended the run, or "".
         fault: a fault of the module, such as a rejected step that changed the state, or "".
     """
@@ -267,6 +271,7 @@ class Run:
     phase: float = 0.0
     evaluations: float = 0.0
     steps: int = 0
+    link2: float = 0.0
     rejection: str = ""
     fault: str = ""
 
@@ -285,6 +290,16 @@ class Run:
         """
         scales = self.speed, self.torque, self.speed * self.torque, self.energy
         return relative(self.breaches[condition], scales[CONDITIONS.index(condition)])
+
+    def include_maxima(self, other: Run) -> None:
+        """Include the maxima of another run of the motion; long steps miss the maxima within them.
+
+        Args:
+            other: a run with shorter steps.
+        """
+        self.energy = max(self.energy, other.energy)
+        self.speed = max(self.speed, other.speed)
+        self.torque = max(self.torque, other.torque)
 
     def record(self, module: Module) -> None:
         """Update the maxima at a communication point.
@@ -366,6 +381,7 @@ def run(motion: Motion, make: Make, split: int = 1, saved_at: int = -1, kick: fl
         result.rejection = str(error)
         return result
     begin = module["drive_angle"] + 2.0 * math.pi * module["drive_turns"]
+    result.link2 = module["link2_inertia"]
     result.record(module)
     result.points.append(module.snapshot())
     for number, segment in enumerate(motion.segments):
@@ -472,8 +488,8 @@ def relative(value: float, scale: float) -> float:
 def distance(first: Run, second: Run, inertia: float = 0.0, speed_fraction: float = 0.0) -> float:
     """Return the maximum difference between the ends of two runs, relative to the maxima of both.
 
-    The scales are the maximum speed, the maximum energy, energy over speed for impulses, and for the
-    pinion-shaft angle its change (at least 1 rad).
+    The scales are the maximum speed and the maximum energy; for impulses energy over speed, at least the
+    impulse of link 2 at the maximum speed; for the pinion-shaft angle its change (at least 1 rad).
 
     Args:
         first: a run, whose angle and impulses are scales.
@@ -486,6 +502,7 @@ def distance(first: Run, second: Run, inertia: float = 0.0, speed_fraction: floa
     scales = dict.fromkeys(SPEEDS, speed) | dict.fromkeys(ENERGIES, energy)
     scales["angle"] = max(1.0, abs(first.end["angle"]))
     for name in IMPULSES:
-        scales[name] = max(abs(first.end[name]), energy / speed if speed > 0.0 else 0.0)
+        least = max(energy / speed if speed > 0.0 else 0.0, first.link2 * speed)
+        scales[name] = max(abs(first.end[name]), least)
     scales["output_torque_mean"] = max(scales["output_torque_mean"], inertia * speed)
     return max(relative(first.end[name] - second.end[name], scale) for name, scale in scales.items())

@@ -12,9 +12,9 @@ import dataclasses
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -112,7 +112,7 @@ class Trial:
         long: run in long communication steps.
         short: run in short communication steps.
         tight: run with a tightened tolerance; None if it is rejected.
-        sensitivity: maximum distance between the tightened run and runs with inputs changed by the tolerance;
+        sensitivity: maximum distance between a run and the run with inputs changed by the tolerance;
             computed until it explains the differences between the other runs.
     """
 
@@ -140,15 +140,36 @@ def try_case(case: Case, make: Make = Module) -> Trial:
         precise = motion.changed(max_step=0.0, tolerance=max(TIGHT_FACTOR * tolerance, MIN_TOLERANCE))
         tight = _tight(make, tuple(precise.parameters.items()), motion.segments)
         trial = Trial(case, long, short, None if tight.rejection else tight)
-        for perturbed in () if tight.rejection or short.rejection else precise.perturbed(tolerance):
+        if tight.rejection or short.rejection:
+            return trial
+        for run in (long, tight):
+            run.include_maxima(short)
+        for distance in _distances_of_changed_runs(precise, trial, make):
             if all(metric.holds for name, metric in metrics_of(trial).items() if name in COMPARED):
                 break
-            changed = motions.run(perturbed, make)
-            if not changed.rejection:
-                trial = replace(trial, sensitivity=max(trial.sensitivity, motions.distance(changed, tight)))
+            trial = replace(trial, sensitivity=max(trial.sensitivity, distance))
         return trial
     except Exception as error:  # every exception is a finding
         return Trial(case, Run(fault=f"{type(error).__name__}: {error}"))
+
+
+def _distances_of_changed_runs(precise: Motion, trial: Trial, make: Make) -> Iterator[float]:
+    """Yield distances that changes by the tolerance cause: inputs, then the speed of link 2 in each step.
+
+    Args:
+        precise: motion with the tightened tolerance.
+        trial: runs of the case.
+        make: function that returns a new module.
+    """
+    case, short, tight = trial.case, trial.short, trial.tight
+    assert tight is not None
+    tolerance = case.motion["tolerance"]
+    runs = [(tight, partial(motions.run, perturbed, make)) for perturbed in precise.perturbed(tolerance)]
+    for kick in (tolerance * short.speed, -tolerance * short.speed):
+        runs.append((short, partial(motions.run, case.motion, make, case.split, kick=kick)))
+    for unchanged, run in runs:
+        changed = run()
+        yield 0.0 if changed.rejection else motions.distance(changed, unchanged)
 
 
 @lru_cache(maxsize=1)

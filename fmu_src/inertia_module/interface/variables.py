@@ -251,8 +251,14 @@ _local = partial(Variable, causality=LOCAL)
 _parameter = partial(Variable, causality=PARAMETER, variability=FIXED)
 _tunable = partial(Variable, causality=PARAMETER, variability=TUNABLE)
 
+# Ranges of real machines plus about two decades. Beyond them explicit steps get expensive or lose digits.
 _INERTIA_LIMIT = 1e5
-_SPEED_START_LIMIT = 1e5
+_SATELLITE_INERTIA_LIMIT = 1.0  # kg m^2: 100 times a gear with 0.1 m radius and a mass of 2 kg
+_SPEED_START_LIMIT = 1e4  # rad/s
+_MIN_TEETH = 5
+_BEARING_LIMIT = 10.0  # N m s/rad: 100 times the bearings and clutches of a truck
+_FRICTION_LIMIT = 1e3  # N m s/rad: also a load that is proportional to the speed
+_DAMPING_LIMIT = 1e3  # N m s/rad: 100 times a rubber coupling
 
 VARIABLES: tuple[Variable, ...] = (
     _input(0, "omega1", Group.FLANGES, "rad/s", "speed of the input shaft (carrier, link 1); with drive = torque only its initial value", 100.0, -LARGEST_SPEED, LARGEST_SPEED, nominal=100.0),
@@ -281,7 +287,7 @@ VARIABLES: tuple[Variable, ...] = (
     _output(23, "output_flange_angle", Group.MOTION, "rad", "angle phi2 of the output flange (output shaft, driven mass if elastic) since the start, including whole revolutions", nominal=1.0, follows=SINCE_START, needs=(SOLVED,), at_start=()),
     _output(24, "loss_power_mean", Group.ENERGY, "W", "mean power loss over the last communication step: increase of energy_lost divided by the step length", nominal=1e3, of_step=True, late=True, at_start=()),
     _output(25, "satellite_force", Group.IMBALANCE, "N", "instantaneous force m |a| of the reference mass (satellite 0, module 0) on the bearing of its satellite", nominal=1e3, minimum=0.0, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
-    _output(26, "satellite_force_peak", Group.IMBALANCE, "N", "maximum sampled satellite_force over the last communication step", nominal=1e3, minimum=0.0, of_step=True, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
+    _output(26, "satellite_force_peak", Group.IMBALANCE, "N", "maximum satellite_force over the last communication step, interpolated by a parabola in each internal step", nominal=1e3, minimum=0.0, of_step=True, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
     _output(27, "shaking_force_x", Group.IMBALANCE, "N", "force of all unbalanced masses on the mounting along the central axis Ox (fixed frame)", nominal=1e3, follows=DRIVE_ANGLE, late=True, needs=(PHASE,)),
     _output(28, "shaking_force_y", Group.IMBALANCE, "N", "force of all unbalanced masses on the mounting along Oy (fixed frame)", nominal=1e3, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
     _output(29, "shaking_force_z", Group.IMBALANCE, "N", "force of all unbalanced masses on the mounting along Oz (fixed frame)", nominal=1e3, follows=LINK1_ANGLE, late=True, needs=(PHASE,)),
@@ -322,10 +328,10 @@ VARIABLES: tuple[Variable, ...] = (
     _local(64, "contact_switches", Group.FREEWHEELS, "1", "number of changes of contact_mode since the start", minimum=0.0, variability="discrete", follows=SINCE_START, needs=(PULSES,)),
     _local(65, "rhs_evaluations", Group.FREEWHEELS, "1", "number of right-hand-side evaluations since the start (computational cost)", minimum=0.0, follows=SINCE_START),
     _parameter(66, "layout", Group.LAYOUT, "", "layout of the differential", 0, 0, 1, kind=ENUMERATION, enumeration="Layout", in_map=True),
-    _parameter(67, "z2", Group.BEVEL, "", "teeth of gear 2, which is fixed to link 2 (bevel)", 20, 1, 1000, kind=INTEGER, in_map=True),
-    _parameter(68, "z16", Group.BEVEL, "", "teeth of pinion 16 (bevel)", 20, 1, 1000, kind=INTEGER, in_map=True),
-    _parameter(69, "z17", Group.BEVEL, "", "teeth of gear 17, on which the satellites roll (bevel)", 34, 1, 1000, kind=INTEGER, in_map=True),
-    _parameter(70, "z6", Group.BEVEL, "", "teeth of satellite gear 6 (bevel)", 20, 1, 1000, kind=INTEGER, in_map=True),
+    _parameter(67, "z2", Group.BEVEL, "", "teeth of gear 2, which is fixed to link 2 (bevel)", 20, _MIN_TEETH, 1000, kind=INTEGER, in_map=True),
+    _parameter(68, "z16", Group.BEVEL, "", "teeth of pinion 16 (bevel)", 20, _MIN_TEETH, 1000, kind=INTEGER, in_map=True),
+    _parameter(69, "z17", Group.BEVEL, "", "teeth of gear 17, on which the satellites roll (bevel)", 34, _MIN_TEETH, 1000, kind=INTEGER, in_map=True),
+    _parameter(70, "z6", Group.BEVEL, "", "teeth of satellite gear 6 (bevel)", 20, _MIN_TEETH, 1000, kind=INTEGER, in_map=True),
     _parameter(71, "shaft_angle", Group.BEVEL, "rad", "angle Sigma between the axes of satellite gear 6 and the pinion shaft (bevel)", math.pi / 2, 1e-6, 3.141591, in_map=True),
     _parameter(72, "wheel_radius", Group.BEVEL, "m", "pitch radius r17 of gear 17 (bevel)", 0.08, 1e-4, 10.0, in_map=True),
     _parameter(73, "a", Group.BEVEL, "1", "distance AD of the unbalanced mass from the satellite axis, relative to the pitch radius of the satellite (bevel)", 1.0, 0.0, 10.0, in_map=True),
@@ -337,37 +343,37 @@ VARIABLES: tuple[Variable, ...] = (
     _parameter(79, "satellite_radius", Group.PLANAR, "m", "radius r of a satellite (planar)", 0.03, 1e-4, 10.0, in_map=True),
     _parameter(80, "eccentricity", Group.PLANAR, "m", "distance l of the unbalanced mass from the satellite axis (planar)", 0.02, 0.0, 10.0, in_map=True),
     _parameter(81, "imbalance_mass", Group.MASSES, "kg", "mass m of each unbalanced mass", 1.0, 0.0, 1e5, in_map=True),
-    _parameter(82, "modules", Group.LAYOUT, "", "number of identical modules, evenly spaced about the central axis", 1, 1, 1000, kind=INTEGER, in_map=True),
+    _parameter(82, "modules", Group.LAYOUT, "", "number of identical modules, evenly spaced about the central axis", 1, 1, 24, kind=INTEGER, in_map=True),
     _parameter(83, "satellites", Group.LAYOUT, "", "number of satellites (and unbalanced masses) per module, evenly spaced", 1, 1, 24, kind=INTEGER, in_map=True),
     _parameter(84, "drive_inertia", Group.MASSES, "kg.m2", "total inertia J16 of all pinion shafts about their own axes", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
     _parameter(85, "input_inertia", Group.MASSES, "kg.m2", "inertia J1 of the carrier, link 1 (with drive = torque including the engine or motor)", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
     _parameter(86, "link2_inertia", Group.MASSES, "kg.m2", "inertia J2 of link 2", 0.005, 0.0, _INERTIA_LIMIT, in_map=True),
     _parameter(87, "output_inertia", Group.MASSES, "kg.m2", "inertia J3 of the output shaft (of the hub if elastic)", 0.5, 1e-9, _INERTIA_LIMIT),
-    _parameter(88, "driven_inertia", Group.ELASTIC, "kg.m2", "inertia J4 of the driven mass (elastic)", 0.5, 1e-9, _INERTIA_LIMIT),
+    _parameter(88, "driven_inertia", Group.ELASTIC, "kg.m2", "inertia J4 of the driven mass (elastic)", 0.5, 1e-6, _INERTIA_LIMIT),
     _parameter(89, "shaft_stiffness", Group.ELASTIC, "N.m/rad", "stiffness c of the output shaft (elastic)", 400.0, 1e-2, 1e8, idle=True),
-    _tunable(90, "shaft_damping", Group.ELASTIC, "N.m.s/rad", "damping d of the output shaft (elastic)", 0.05, 0.0, 1e5, idle=True),
-    _tunable(91, "driven_friction", Group.ELASTIC, "N.m.s/rad", "viscous friction f of the driven mass (elastic)", 0.0, 0.0, 1e5),
+    _tunable(90, "shaft_damping", Group.ELASTIC, "N.m.s/rad", "damping d of the output shaft (elastic)", 0.05, 0.0, _DAMPING_LIMIT, idle=True),
+    _tunable(91, "driven_friction", Group.ELASTIC, "N.m.s/rad", "viscous friction f of the driven mass (elastic)", 0.0, 0.0, _FRICTION_LIMIT),
     _tunable(92, "balancer", Group.ELASTIC, "1", "gain beta of the balancer, a feed-forward inertia compensation (elastic)", 0.0, -10.0, 10.0),
-    _tunable(93, "input_friction", Group.LOSSES, "N.m.s/rad", "viscous friction b1 of the carrier, link 1", 0.0, 0.0, 1e3, in_map=True),
-    _tunable(94, "drive_friction", Group.LOSSES, "N.m.s/rad", "viscous friction bq of all pinion shafts and satellites, relative to the pinion-shaft speed", 0.0, 0.0, 1e3, in_map=True),
-    _tunable(95, "link2_friction", Group.LOSSES, "N.m.s/rad", "viscous friction b2 of link 2", 0.0, 0.0, 1e3, in_map=True),
-    _tunable(96, "output_friction", Group.LOSSES, "N.m.s/rad", "viscous friction b3 of the output shaft (of the hub if elastic)", 0.0, 0.0, 1e3, in_map=True),
+    _tunable(93, "input_friction", Group.LOSSES, "N.m.s/rad", "viscous friction b1 of the carrier, link 1", 0.0, 0.0, _FRICTION_LIMIT, in_map=True),
+    _tunable(94, "drive_friction", Group.LOSSES, "N.m.s/rad", "viscous friction bq of all pinion shafts and satellites, relative to the pinion-shaft speed", 0.0, 0.0, _BEARING_LIMIT, in_map=True),
+    _tunable(95, "link2_friction", Group.LOSSES, "N.m.s/rad", "viscous friction b2 of link 2", 0.0, 0.0, _BEARING_LIMIT, in_map=True),
+    _tunable(96, "output_friction", Group.LOSSES, "N.m.s/rad", "viscous friction b3 of the output shaft (of the hub if elastic)", 0.0, 0.0, _FRICTION_LIMIT, in_map=True),
     _parameter(97, "mesh_efficiency", Group.LOSSES, "1", "efficiency of the mesh between link 2 and the pinions, with the carrier at rest", 1.0, 0.3, 1.0, in_map=True),
     _parameter(98, "satellite_mesh_efficiency", Group.LOSSES, "1", "efficiency of the mesh between the satellites and gear 17 (bevel)", 1.0, 0.3, 1.0, in_map=True),
     _tunable(99, "journal_friction", Group.LOSSES, "m", "friction coefficient of a satellite bearing times its journal radius", 0.0, 0.0, 10.0, in_map=True),
-    _tunable(100, "windage", Group.LOSSES, "kg.m2", "windage torque on one satellite divided by the square of its absolute angular speed", 0.0, 0.0, 1e3, nominal=1e-4),
+    _tunable(100, "windage", Group.LOSSES, "kg.m2", "windage torque on one satellite divided by the square of its absolute angular speed", 0.0, 0.0, 0.1, nominal=1e-4),
     _tunable(101, "housing_drag", Group.LOSSES, "N.m", "constant drag torque of the overrunning housing freewheel", 0.0, 0.0, LARGEST_TORQUE, in_map=True),
-    _tunable(102, "housing_drag_viscous", Group.LOSSES, "N.m.s/rad", "viscous drag of the overrunning housing freewheel: torque per speed of link 2", 0.0, 0.0, 1e3, in_map=True),
+    _tunable(102, "housing_drag_viscous", Group.LOSSES, "N.m.s/rad", "viscous drag of the overrunning housing freewheel: torque per speed of link 2", 0.0, 0.0, _BEARING_LIMIT, in_map=True),
     _tunable(103, "output_drag", Group.LOSSES, "N.m", "constant drag torque of the overrunning output freewheel", 0.0, 0.0, LARGEST_TORQUE, in_map=True),
-    _tunable(104, "output_drag_viscous", Group.LOSSES, "N.m.s/rad", "viscous drag of the overrunning output freewheel: torque per speed of the output shaft relative to link 2", 0.0, 0.0, 1e3, in_map=True),
+    _tunable(104, "output_drag_viscous", Group.LOSSES, "N.m.s/rad", "viscous drag of the overrunning output freewheel: torque per speed of the output shaft relative to link 2", 0.0, 0.0, _BEARING_LIMIT, in_map=True),
     _parameter(105, "housing_stiffness", Group.ELASTIC, "N.m/rad", "stiffness of the locked housing freewheel, 0 = rigid (elastic)", 0.0, 0.0, 1e8),
-    _tunable(106, "housing_damping", Group.ELASTIC, "N.m.s/rad", "damping of the locked housing freewheel (elastic)", 0.0, 0.0, 1e5),
+    _tunable(106, "housing_damping", Group.ELASTIC, "N.m.s/rad", "damping of the locked housing freewheel (elastic)", 0.0, 0.0, _DAMPING_LIMIT),
     _parameter(107, "freewheel_stiffness", Group.ELASTIC, "N.m/rad", "stiffness of the locked output freewheel, 0 = rigid (elastic)", 0.0, 0.0, 1e8),
-    _tunable(108, "freewheel_damping", Group.ELASTIC, "N.m.s/rad", "damping of the locked output freewheel (elastic)", 0.0, 0.0, 1e5),
+    _tunable(108, "freewheel_damping", Group.ELASTIC, "N.m.s/rad", "damping of the locked output freewheel (elastic)", 0.0, 0.0, _DAMPING_LIMIT),
     _parameter(109, "housing_engagement_angle", Group.LOSSES, "rad", "angle by which the housing freewheel rotates backward after overrunning before it locks, 0 = locks at once", 0.0, 0.0, 0.5, in_map=True),
     _parameter(110, "output_engagement_angle", Group.LOSSES, "rad", "angle by which the output freewheel rotates backward after overrunning before it locks, 0 = locks at once", 0.0, 0.0, 0.5, in_map=True),
-    _parameter(111, "satellite_inertia", Group.MASSES, "kg.m2", "inertia Ja of one satellite gear about its own axis, without the unbalanced mass", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
-    _parameter(112, "satellite_transverse_inertia", Group.MASSES, "kg.m2", "inertia Jt of one satellite gear about any transverse axis, without the unbalanced mass (bevel)", 0.0, 0.0, _INERTIA_LIMIT, in_map=True),
+    _parameter(111, "satellite_inertia", Group.MASSES, "kg.m2", "inertia Ja of one satellite gear about its own axis, without the unbalanced mass", 0.0, 0.0, _SATELLITE_INERTIA_LIMIT, in_map=True),
+    _parameter(112, "satellite_transverse_inertia", Group.MASSES, "kg.m2", "inertia Jt of one satellite gear about any transverse axis, without the unbalanced mass (bevel)", 0.0, 0.0, _SATELLITE_INERTIA_LIMIT, in_map=True),
     _parameter(113, "gravity", Group.MASSES, "m/s2", "gravitational acceleration of the unbalanced masses along -Oz (the central axis Ox is horizontal)", 0.0, 0.0, 1e3),
     _parameter(114, "housing_freewheel", Group.LAYOUT, "", "true if link 2 has a freewheel (one-way clutch) to the housing", 1.0, kind=BOOLEAN),
     _parameter(115, "output_freewheel", Group.LAYOUT, "", "true if link 2 drives the output shaft through a freewheel, false if it is rigidly connected to the shaft", 1.0, kind=BOOLEAN),
