@@ -44,7 +44,7 @@ INLINED = frozenset(
         *("equations.losses.applied_torques", "equations.losses.write_loss_powers"),
         *("inertia.reduced_inertia", "layout.bevel_imbalance_position"),
         *("sine.sine_cosine", "sine.sines_cosines"),
-        *("events.stages.rates_of", "events.stages.weighed_four", "events.stages.weigh"),
+        *("events.stages.keep_rates", "events.stages.weighed_four", "events.stages.weigh"),
     )
 )
 RECORDS = ("parameters", "constants", "inputs", "state", "outputs", "workspace")

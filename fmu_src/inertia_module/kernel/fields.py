@@ -171,7 +171,6 @@ CONSTANTS = (
     "period_turns",  # revolutions of the pinion shaft in a period
     "harmonic",  # highest harmonic of q in the reduced inertia
     *("F_by_slip", "F_by_speed", "F_by_alpha1"),  # bounds of |F| over slip^2, omega1^2 and |alpha1|, kg m^2
-    "lightest",  # minimum over maximum of the inertia of a link
     "bodies",  # 1 if the satellite gears have an inertia that depends on q
     *("body_i", "body_b"),  # their parts of I and B, kg m^2
     *("J1", "J2", "J3", "J4", "J16"),  # kg m^2

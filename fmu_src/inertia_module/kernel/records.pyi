@@ -234,7 +234,6 @@ class Constants:
     F_by_slip: float
     F_by_speed: float
     F_by_alpha1: float
-    lightest: float
     bodies: float
     body_i: float
     body_b: float

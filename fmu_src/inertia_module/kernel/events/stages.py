@@ -40,18 +40,10 @@ def solve_motion(d: Constants, x: State, w: Workspace) -> None:
 
 def keep_rates(d: Constants, x: State, w: Workspace, n: int) -> None:
     """Store the rates of the integrated quantities at stage n, from d.machine after motion.evaluate."""
-    if d.losses != 0.0:
-        rates_of(d, x, w, n, LOSSY)
-    else:
-        rates_of(d, x, w, n, IDEAL)
-
-
-def rates_of(d: Constants, x: State, w: Workspace, n: int, lossy: int) -> None:
-    """Rates at stage n for keep_rates, with or without losses by load, drag, weights or wind-up."""
     m = d.machine
     rates = w.rates[n]
     slip = m.omega1 - m.omega2
-    if lossy and x.slip_sign == 0.0:
+    if x.slip_sign == 0.0:
         slip = 0.0
     rates.q = d.k * slip
     rates.omega1 = m.alpha1
@@ -71,17 +63,16 @@ def rates_of(d: Constants, x: State, w: Workspace, n: int, lossy: int) -> None:
     rates.housing = m.housing
     rates.output = m.output
     rates.square = m.output * m.output
-    write_loss_powers(d, x, m, rates, lossy)
-    if lossy:
+    write_loss_powers(d, x, m, rates)
+    if d.losses != 0.0:
         turns = x.housing_state == ENGAGED_COMPLIANT or d.housing_engagement_angle > 0.0
         rates.wound_housing = -m.omega2 if turns else 0.0
         turns = x.output_state == ENGAGED_COMPLIANT or d.output_engagement_angle > 0.0
         rates.wound_output = m.omega2 - m.omega3 if turns else 0.0
-    # (of a number known to the compiler it makes one after the other, without questions)
-    for which in range(FLOW if lossy else SLIP):
-        if which <= SLIP or d.plays != 0.0:
+    for which in range(FLOW):
+        if which < SLIP or d.losses != 0.0:
             w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
-    for which in range(FLOW, how_many_guards(d) if lossy else FLOW):
+    for which in range(FLOW, how_many_guards(d)):
         w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
 
 
@@ -205,14 +196,13 @@ def evaluate_stages(d: Constants, x: State, w: Workspace, first: int, last: int)
             m.relative = x.relative + h * relative
             if d.turning != 0.0:
                 turn_freewheels(x, m, h * housing, h * output)
-        # As evaluate and keep_rates, but inlined
+        # As evaluate, but inlined
         if d.losses != 0.0:
             equations_of_motion(d, x, w.prescribed, w.load, True, LOSSY)
-            rates_of(d, x, w, n, LOSSY)
         else:
             equations_of_motion(d, x, w.prescribed, w.load, True, IDEAL)
-            rates_of(d, x, w, n, IDEAL)
         x.step_evaluations += 1.0
+        keep_rates(d, x, w, n)
 
 
 def set_changes(d: Constants, x: State, w: Workspace, h: float, after: int, count: int) -> None:
