@@ -25,44 +25,12 @@ from ..tableau import (
     stage_order_range,
 )
 from . import guards
+from .energy import work_of_balancer
 from .location import first_event
 from .stages import cut_step, keep_end, keep_rates, solve_motion
-from .step_size import limit_size_after_switch, longest_step, make_accepted_step
+from .step_size import limit_size_after_switch, make_accepted_step
 
 NO_PLAY = 1e-300  # rad, minimum rest of an engagement angle that is not used up
-# Maximum energy made by a step, in tolerances of the energies that change; steps tried, each half as long
-MAX_ENERGY_MADE, MAX_REPEATS = 4.0, 20
-ENERGY_ROUNDING = 1e-13  # Round-off of energies, relative
-
-
-def balance(d: Constants, x: State, w: Workspace) -> None:
-    """Write impulses and work of the present step by balances of momentum and energy, for the ideal module.
-
-    M1 - Tc + Th is the rate of the angular momentum. While link 2 is held, the work of M1 is kinetic energy.
-    On a ramp of the input speed the impulses are integrated instead.
-
-    Args:
-        d: Constants; ``d.machine`` holds the reduced inertia at the end of the step.
-        x: State at the beginning of the step.
-        w: Workspace with the changes over the step, which are updated.
-    """
-    change = w.change
-    if d.elastic == 0.0 and x.output_state == LOCKED:
-        change.output = d.J3 * change.omega3 + w.load * w.step + d.b3 * change.turned3
-    m = d.machine  # Only the reduced inertia in it is valid here
-    omega1, omega2 = x.omega1 + change.omega1, x.omega2 + change.omega2
-    passed = momentum_of_links(d, m.i, m.b, omega1, omega2) - w.momentum + change.output
-    passed += d.b1 * change.theta1 + d.b2 * (change.theta1 - change.q / d.k)
-    if d.by_torque != 0.0:
-        change.housing = passed - w.prescribed * w.step
-    elif w.prescribed == 0.0:
-        change.drive = passed
-        if x.housing_state == LOCKED:
-            lost = (d.b1 + d.k * d.k * d.bq) * change.theta1
-            gained = energy_of_links(d, m.i, m.b, m.g, omega1, omega2) - w.energy
-            change.drive = gained / x.omega1 + lost if x.omega1 != 0.0 else 0.0
-        change.housing = passed - change.drive
-        change.work_in = x.omega1 * change.drive
 
 
 def remaining_play(state: float, play: float, turned: float, engagement_angle: float) -> float:
@@ -91,11 +59,6 @@ def update_freewheel_angles(d: Constants, x: State, change: Followed) -> None:
         x.wound_output += change.wound_output
     x.play_housing = remaining_play(housing, x.play_housing, change.wound_housing, d.housing_engagement_angle)
     x.play_output = remaining_play(output, x.play_output, change.wound_output, d.output_engagement_angle)
-
-
-def work_of_balancer(d: Constants, x: State, change: Followed) -> float:
-    """Return the work of the balancer at the speed of the hub in the present step, J."""
-    return d.balancer * d.J4 * (x.omega3 + 0.5 * change.omega3) * change.omega3
 
 
 def commit(d: Constants, x: State, w: Workspace) -> None:
@@ -255,95 +218,22 @@ def begin_step(d: Constants, x: State, w: Workspace) -> None:
     store_beginning(d, x, m.omega1, m.alpha1, d.k * (m.omega1 - m.omega2), d.k * (m.alpha1 - m.alpha2))
 
 
-def energy_lost(d: Constants, x: State, change: Followed) -> float:
-    """Return the energy lost in the present step by all causes, J."""
-    lost = 0.0
-    if d.viscous != 0.0:
-        lost += change.lost[VISCOUS]
-    if d.elastic != 0.0:
-        lost += change.lost[SHAFT]
-    if d.elastic + d.rigid_shaft != 0.0:
-        lost -= work_of_balancer(d, x, change)
-    if d.losses != 0.0:
-        for cause in range(MESH, CAUSES):
-            lost += change.lost[cause]
-    return lost
-
-
-def energy_made(d: Constants, x: State, w: Workspace) -> float:
-    """Return the energy that the present step makes, over the allowed energy.
-
-    The error estimate of a step far too long can be zero by chance. The energy balance does not depend on it.
-    Only moving parts count: neither link 1 at prescribed speed nor an output that overruns.
-    """
-    m, change = d.machine, w.change
-    omega1, omega2, omega3 = x.omega1 + change.omega1, x.omega2 + change.omega2, x.omega3 + change.omega3
-    links = energy_of_links(d, m.i, m.b, m.g, omega1, omega2)
-    output = 0.5 * d.J3 * change.omega3 * (x.omega3 + omega3)
-    moved = abs(output)
-    if d.rigid_shaft != 0.0:
-        output += work_of_balancer(d, x, change)
-    if d.elastic != 0.0:
-        before, after = x.omega3 - x.relative, omega3 - x.relative - change.relative
-        output += 0.5 * d.J4 * (after - before) * (after + before)
-        output += 0.5 * d.shaft_stiffness * change.twist * (2.0 * x.twist + change.twist)
-        moved += 0.5 * d.shaft_stiffness * x.twist * x.twist
-    springs = 0.0
-    if x.housing_state == ENGAGED_COMPLIANT:
-        wound = change.wound_housing * (2.0 * x.wound_housing + change.wound_housing)
-        springs += 0.5 * d.housing_stiffness * wound
-    if x.output_state == ENGAGED_COMPLIANT:
-        wound = change.wound_output * (2.0 * x.wound_output + change.wound_output)
-        springs += 0.5 * d.freewheel_stiffness * wound
-    work_in = change.work_in if d.by_torque == 0.0 else w.prescribed * change.theta1
-    work_out = w.load * change.turned3
-    weights = lifted = 0.0
-    if d.weight != 0.0:
-        lifted = d.weight * (abs(d.radial) + abs(d.axial) + d.arm)
-        weights, _, _ = gravity_potential(
-            d, imbalance_position(d, x.q + change.q, 0.0), x.theta1 + change.theta1
-        )
-        weights -= w.potential
-    lost = energy_lost(d, x, change)
-    made = (links - w.energy) + output + springs + weights + lost + work_out - work_in
-    link1 = 0.5 * d.J1 * (x.omega1 * x.omega1 + omega1 * omega1) if d.by_torque == 0.0 else 0.0
-    moved += abs(links + w.energy - link1) + abs(work_in) + abs(work_out) + abs(lost) + abs(springs)
-    fixed = link1 + d.J3 * (x.omega3 * x.omega3 + omega3 * omega3)
-    allowed = MAX_ENERGY_MADE * w.tolerance * moved + ENERGY_ROUNDING * (moved + fixed + lifted)
-    return abs(made) / allowed if allowed > 0.0 else 0.0
-
-
-def end_step(d: Constants, x: State, w: Workspace, sigma: float, has_event: bool) -> None:
-    """Write the changes over the present step, or over its part up to an event, and its end to d.machine.
+def accept_step(d: Constants, x: State, w: Workspace, sigma: float, has_event: bool) -> None:
+    """Add the changes over the present step, or over its part up to an event, to the state with its sums.
 
     Args:
-        d: Constants; ``d.machine`` is written.
-        x: State at the beginning of the step.
+        d: Constants; ``d.machine`` is written with the end of the step.
+        x: State, advanced.
         w: Workspace with the step; it is cut to the part.
         sigma: Fraction of the step.
         has_event: True if an event ends it.
     """
+    x.rates_cached = 0.0 if has_event else 1.0
     if has_event:
         cut_step(d, x, w, sigma)
     else:
         copy_accelerations(d.machine, x.now)
-    if d.losses == 0.0:
-        balance(d, x, w)
-
-
-def accept_step(d: Constants, x: State, w: Workspace, sigma: float, has_event: bool) -> None:
-    """Add the changes over the present step to the state, with its sums and peaks.
-
-    Args:
-        d: Constants; ``d.machine`` holds the end of the step.
-        x: State, advanced.
-        w: Workspace with the step and its changes.
-        sigma: Fraction of the step before it was cut.
-        has_event: True if an event ends it.
-    """
-    if d.losses != 0.0 and not has_event:
         count_loaded(d, x, w)
-    x.rates_cached = 0.0 if has_event else 1.0
     commit(d, x, w)
     include_peaks(x, w, sigma)
     if has_event:
@@ -396,8 +286,6 @@ def handle_event(d: Constants, x: State, which: int) -> None:
 def advance_to_event(d: Constants, x: State, w: Workspace, remaining: float) -> tuple[float, bool]:
     """Advance by one internal step, or to the first event in it.
 
-    A step that makes more than the allowed energy is repeated with half its length.
-
     Args:
         d: Constants; ``d.machine`` is written.
         x: State, advanced.
@@ -408,17 +296,10 @@ def advance_to_event(d: Constants, x: State, w: Workspace, remaining: float) -> 
         Time passed, s, or -1 if no step is small enough; True if the contact mode may change now.
     """
     begin_step(d, x, w)
-    limit = longest_step(d, x, remaining)
-    sigma, which = 1.0, NO_EVENT
-    for _ in range(MAX_REPEATS):
-        if not make_accepted_step(d, x, w, remaining, limit):
-            return -1.0, False
-        copy_accelerations(x.now, d.machine)
-        sigma, which = first_event(d, x, w)
-        limit = 0.5 * w.step
-        end_step(d, x, w, sigma, which != NO_EVENT)
-        if d.averaged != 0.0 or energy_made(d, x, w) <= 1.0:
-            break
+    if not make_accepted_step(d, x, w, remaining):
+        return -1.0, False
+    copy_accelerations(x.now, d.machine)
+    sigma, which = first_event(d, x, w)
     accept_step(d, x, w, sigma, which != NO_EVENT)
     handle_event(d, x, which)
     return w.step, NO_EVENT != which < guards.FLOW

@@ -4,6 +4,7 @@ import math
 
 from ..records import Constants, State, Workspace
 from ..tableau import DOP853_ROW, DOPRI5_ROW
+from .energy import energy_made
 from .error import error_norm, write_scales
 from .guards import how_many_guards, is_clear, is_watched
 from .stages import make_step
@@ -46,26 +47,13 @@ def limit_size_after_switch(d: Constants, x: State) -> None:
         x.step_size = FIRST_PHASE / slip
 
 
-def first_size(size: float, limit: float) -> float:
-    """Return the size to try first, s: the size of the state if there is one, at most the limit."""
-    return min(limit, size) if size > 0.0 else 0.1 * limit
-
-
-def next_factor(error: float, order: float, safety: float, smallest: float) -> float:
+def next_factor(error: float, order: float, safety: float) -> float:
     """Return the factor from the present step size to the next one for this error over the allowed one."""
     if not error < 1e300:
         return MIN_FACTOR
     if error == 0.0:
         return MAX_FACTOR
-    return min(MAX_FACTOR, max(smallest, safety * math.pow(error, -1.0 / order)))
-
-
-def carried(size: float, h: float, factor: float) -> float:
-    """Return the step size to keep after an accepted step h that was tried with this size, s.
-
-    A step that the end of the communication step has shortened does not reduce it.
-    """
-    return max(factor * h, size) if h < size else factor * h
+    return min(MAX_FACTOR, max(MIN_FACTOR, safety * math.pow(error, -1.0 / order)))
 
 
 def try_short_step(d: Constants, x: State, w: Workspace, remaining: float) -> bool:
@@ -77,9 +65,9 @@ def try_short_step(d: Constants, x: State, w: Workspace, remaining: float) -> bo
     make_step(d, x, w, DOPRI5_ROW, remaining)
     write_scales(d, x, w)
     error = error_norm(w)
-    size = next_factor(error, 5.0, SHORT_SAFETY, MIN_FACTOR) * remaining
+    size = next_factor(error, 5.0, SHORT_SAFETY) * remaining
     x.short_size = max(size, x.short_size) if size > remaining else size
-    if not error <= 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE:
+    if error > 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE or energy_made(d, x, w) > 1.0:
         return False
     for guard in range(how_many_guards(d)):
         if is_watched(d, x, guard) and not is_clear(x, w, guard):
@@ -87,31 +75,38 @@ def try_short_step(d: Constants, x: State, w: Workspace, remaining: float) -> bo
     return True
 
 
-def make_accepted_step(d: Constants, x: State, w: Workspace, remaining: float, limit: float) -> bool:
-    """Make a step and shrink it until its error norm is at most 1.
+def make_accepted_step(d: Constants, x: State, w: Workspace, remaining: float) -> bool:
+    """Make a step and shrink it until its error norm is at most 1 and it makes no energy.
+
+    The pair 5(4) makes a step that reaches the end of the communication step.
 
     Args:
-        d: Constants.
+        d: Constants; ``d.machine`` holds the beginning of the step, and then its end.
         x: State at the beginning of the step; the next step sizes are written.
         w: Workspace; the step and its stages are written.
-        remaining: Time to the end of the communication step, s. The pair 5(4) makes a step that reaches it.
-        limit: Maximum step of the pair 8(5,3), s.
+        remaining: Time to the end of the communication step, s.
 
     Returns:
         True if there is such a step.
     """
+    limit = longest_step(d, x, remaining)
     is_short = limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0)
     if is_short and try_short_step(d, x, w, remaining):
         return True
     x.short_size *= SHORT_GROWTH
-    h = first_size(x.step_size, limit)
+    h = min(limit, x.step_size) if x.step_size > 0.0 else 0.1 * limit
     for attempt in range(MAX_REJECTIONS):
         make_step(d, x, w, DOP853_ROW, h)
         write_scales(d, x, w)
         error = error_norm(w)
-        factor = next_factor(error, 8.0, SAFETY, MIN_FACTOR)
-        if error <= 1.0:
-            x.step_size = carried(x.step_size if attempt == 0 else h, h, factor)
+        factor = next_factor(error, 8.0, SAFETY)
+        if error > 1.0:
+            h *= factor
+        elif energy_made(d, x, w) > 1.0:
+            h *= 0.5
+        else:
+            # A step that the end of the communication step has shortened does not reduce the size
+            is_cut = attempt == 0 and h < x.step_size
+            x.step_size = max(factor * h, x.step_size) if is_cut else factor * h
             return True
-        h *= factor
     return False
