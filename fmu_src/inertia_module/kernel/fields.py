@@ -51,6 +51,7 @@ NOW = (
 # Sums over the communication step
 SUMS = (
     *("input_impulse", "mesh_impulse", "output_impulse", "housing_impulse"),  # N m s
+    *("input_jump", "output_jump"),  # impulses of M1 and Tc at a jump at its beginning, N m s
     "output_square",  # integral of Tc^2, N^2 m^2 s
     "turned3",  # angle of the output, rad
     "step_lost",  # energy lost, J

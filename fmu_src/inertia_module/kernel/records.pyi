@@ -321,6 +321,8 @@ class State:
     mesh_impulse: float
     output_impulse: float
     housing_impulse: float
+    input_jump: float
+    output_jump: float
     output_square: float
     turned3: float
     step_lost: float

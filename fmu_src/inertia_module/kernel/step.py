@@ -13,7 +13,7 @@ from .averaged.mean_motion import end_step, jump_averaged, takes_up_jump
 from .averaged.periodic_orbit import find_orbit, hold_output, release_angle
 from .averaged.torque_map import build_map
 from .checks import check_parameters
-from .engine import follow_parameters, follow_torque, run_events, solve_now, switch_now
+from .engine import follow_parameters, follow_torque, run_events, run_kinematic, solve_now, switch_now
 from .events.kinematic import impose_ratio
 from .impulse import jump_input
 from .inputs import check_hold, check_inputs, check_step, read_inputs
@@ -22,8 +22,6 @@ from .outputs import has_energy_check, shaft_twist, stored_energy, write_late_ou
 from .parameters import derive_constants
 from .records import Constants, Inputs, Outputs, Parameters, State, Workspace
 
-# tolerance of the second attempt at a step whose energies do not balance, over the tolerance
-MORE_CARE = 1e-3
 # allowed energy residual over the energies of the step and of the speeds: tolerances, within limits
 TOLERANCES = 1e3
 LEAST = 1e-6
@@ -138,7 +136,7 @@ def start_steady(
     if time < 0.0:
         return codes.NO_CYCLIC_STEADY_STATE
     x.length = time
-    end(d, x, time, 0.0, 0.0, 0.0)
+    write_means(d, x, time)
     x.energy_stored = stored_energy(d, x)
     write_outputs(x, y)
     write_late_outputs(d, x, y)
@@ -162,9 +160,9 @@ def is_instant(d: Constants, x: State, h: float) -> bool:
     return missing <= SAME_SPEED * fastest * (d.J1 + m.i + d.k * d.k * m.g + d.J2 + d.J3)
 
 
-def pass_mesh(d: Constants, x: State, output: float) -> None:
+def pass_mesh(d: Constants, x: State) -> None:
     """Impulse that the mesh has passed to link 2, by its momentum: J2 omega2' = M2 - b2 omega2 - Tc + Th."""
-    x.mesh_impulse = output - x.housing_impulse
+    x.mesh_impulse = x.output_jump + x.output_impulse - x.housing_impulse
     if d.fidelity != codes.AVERAGED:  # there what it gains is the pulses'
         x.mesh_impulse += d.J2 * (x.omega2 - x.begin_omega2)
     if d.viscous != 0.0:
@@ -173,16 +171,16 @@ def pass_mesh(d: Constants, x: State, output: float) -> None:
         x.mesh_impulse += d.b2 * (turned1 - turned / d.k)
 
 
-def end(d: Constants, x: State, h: float, jump: float, input_jump: float, output_jump: float) -> None:
+def write_means(d: Constants, x: State, h: float) -> None:
     """Write means over the step, all impulses included, or the torques at the end of a very short step."""
-    pass_mesh(d, x, output_jump + x.output_impulse)
-    if jump == 0.0 and is_instant(d, x, h):
+    pass_mesh(d, x)
+    if x.input_jump == 0.0 and x.output_jump == 0.0 and is_instant(d, x, h):
         m = d.machine
         x.input_impulse, x.mesh_impulse, x.housing_impulse = h * m.drive, h * m.mesh, h * m.housing
         x.output_impulse = h * m.output
         x.output_square = x.output_impulse * (x.output_impulse / h)
-    x.input_torque_mean = (input_jump + x.input_impulse) / h
-    x.output_torque_mean = (output_jump + x.output_impulse) / h
+    x.input_torque_mean = (x.input_jump + x.input_impulse) / h
+    x.output_torque_mean = (x.output_jump + x.output_impulse) / h
     mean = x.output_impulse / h
     variance = x.output_square / h - mean * mean
     x.torque_ripple = math.sqrt(variance) if variance > 0.0 else 0.0
@@ -221,11 +219,16 @@ def advance(d: Constants, u: Inputs, x: State, y: Outputs, w: Workspace, h: floa
         return status
     copy(w.before.numbers, x.numbers)
     w.tolerance = min(d.tolerance, PRECISE) if operation == codes.STEP_FOR_DIFFERENCING else d.tolerance
-    status = run(d, u, x, w, h)
-    if status == codes.NOT_BALANCED:
-        copy(x.numbers, w.before.numbers)
-        w.tolerance = max(MORE_CARE * w.tolerance, 1e-14)
-        status = run(d, u, x, w, h)
+    take_up_inputs(d, u, x, h)
+    start1 = x.omega1
+    if d.fidelity == codes.AVERAGED:
+        status = run_averaged(d, x, w, h)
+    elif d.fidelity == codes.KINEMATIC:
+        status = run_kinematic(d, x, w, h)
+    else:
+        status = run_events(d, x, w, h)
+    if status == codes.OK:
+        status = finish_step(d, x, w, start1)
     if status != codes.OK:
         copy(x.numbers, w.before.numbers)
         return status
@@ -260,43 +263,42 @@ def audit(d: Constants, x: State, before: State, stored: float, tolerance: float
     return codes.OK if abs(missing) <= allowed + NOTHING else codes.NOT_BALANCED
 
 
-def apply_jump(d: Constants, u: Inputs, x: State, h: float, jump: float) -> tuple[float, float]:
-    """Apply a jump of the input speed or of a prescribed ratio; return the impulses of M1 and Tc, N m s."""
-    if d.fidelity != codes.AVERAGED:
-        x.torques_continue = 0.0
-        return jump_input(d, x, jump)
-    if takes_up_jump(d, x, jump, h):
-        x.alpha1 += jump / h
-        return 0.0, 0.0
-    return jump_averaged(d, x, jump), 0.0
-
-
-def run(d: Constants, u: Inputs, x: State, w: Workspace, h: float) -> int:
-    """Advance the state by h under the inputs, and look at its energies. Returns a status."""
+def take_up_inputs(d: Constants, u: Inputs, x: State, h: float) -> None:
+    """Read the inputs of a step; apply a jump of the input speed or of a prescribed ratio."""
     switch_now(d, x)
     jump = read_inputs(d, u, x, h)
     if abs(jump) <= SAME_SPEED * (abs(x.omega1) + abs(x.alpha1) * h + abs(x.omega2) + abs(x.omega3)):
-        x.omega1 += jump  # (as a jump it would let freewheels go)
+        x.omega1 += jump  # As a jump it would open freewheels
         jump = 0.0
-    input_jump = output_jump = 0.0
-    if jump != 0.0 or (d.fidelity == codes.KINEMATIC and x.omega2 != d.kinematic_ratio * x.omega1):
-        input_jump, output_jump = apply_jump(d, u, x, h, jump)
-    start1 = x.omega1
-    if d.fidelity == codes.AVERAGED:
-        status = run_averaged(d, x, w, h)
+    if jump == 0.0 and (d.fidelity != codes.KINEMATIC or x.omega2 == d.kinematic_ratio * x.omega1):
+        return
+    if d.fidelity != codes.AVERAGED:
+        x.torques_continue = 0.0
+        x.input_jump, x.output_jump = jump_input(d, x, jump)
+    elif takes_up_jump(d, x, jump, h):
+        x.alpha1 += jump / h
     else:
-        status = run_events(d, x, w, h)
-    if status != codes.OK:
-        return status
-    if d.by_torque == 0.0:
-        x.omega1 = start1 + x.alpha1 * x.length
-        if d.fidelity == codes.KINEMATIC:
-            impose_ratio(d, x)
-    else:
+        x.input_jump = jump_averaged(d, x, jump)
+
+
+def finish_step(d: Constants, x: State, w: Workspace, start1: float) -> int:
+    """Write means, twist and energies at the end of a step; return OK if they are finite and balance.
+
+    Args:
+        d: Constants.
+        x: State at the end of the step, written.
+        w: Workspace with the state before the step.
+        start1: Speed of link 1 after a jump at the beginning, rad/s.
+    """
+    if d.by_torque != 0.0:
         if d.fidelity != codes.AVERAGED:
             follow_torque(d, x)
         x.input_impulse = x.drive_torque * x.length
-    end(d, x, x.length, jump, input_jump, output_jump)
+    else:
+        x.omega1 = start1 + x.alpha1 * x.length
+    if d.fidelity == codes.KINEMATIC:
+        impose_ratio(d, x)
+    write_means(d, x, x.length)
     if d.rigid_shaft != 0.0:
         x.twist = shaft_twist(d, x)
     if not is_finite(x):

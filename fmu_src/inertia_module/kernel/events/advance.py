@@ -25,11 +25,12 @@ from ..tableau import (
     stage_order_range,
 )
 from . import guards
-from .energy import work_of_balancer
+from .energy import balance, energy_made, work_of_balancer
 from .location import first_event
 from .stages import cut_step, keep_end, keep_rates, solve_motion
-from .step_size import limit_size_after_switch, make_accepted_step
+from .step_size import limit_size_after_switch, longest_step, make_accepted_step
 
+MAX_REPEATS = 20  # Of a step that makes energy, each half as long
 NO_PLAY = 1e-300  # rad, minimum rest of an engagement angle that is not used up
 
 
@@ -218,26 +219,41 @@ def begin_step(d: Constants, x: State, w: Workspace) -> None:
     store_beginning(d, x, m.omega1, m.alpha1, d.k * (m.omega1 - m.omega2), d.k * (m.alpha1 - m.alpha2))
 
 
-def accept_step(d: Constants, x: State, w: Workspace, sigma: float, has_event: bool) -> None:
-    """Add the changes over the present step, or over its part up to an event, to the state with its sums.
+def end_step(d: Constants, x: State, w: Workspace, sigma: float, has_event: bool) -> None:
+    """Write the changes over the present step, or over its part up to an event, and its end to d.machine.
 
     Args:
-        d: Constants; ``d.machine`` is written with the end of the step.
-        x: State, advanced.
+        d: Constants; ``d.machine`` is written.
+        x: State at the beginning of the step.
         w: Workspace with the step; it is cut to the part.
         sigma: Fraction of the step.
         has_event: True if an event ends it.
     """
-    x.rates_cached = 0.0 if has_event else 1.0
     if has_event:
         cut_step(d, x, w, sigma)
     else:
         copy_accelerations(d.machine, x.now)
-        count_loaded(d, x, w)
+    if d.losses == 0.0:
+        balance(d, x, w)
+
+
+def accept_step(d: Constants, x: State, w: Workspace, sigma: float, has_event: bool) -> None:
+    """Add the changes over the present step to the state, with its sums and peaks.
+
+    Args:
+        d: Constants; ``d.machine`` holds the end of the step.
+        x: State, advanced.
+        w: Workspace with the step and its changes.
+        sigma: Fraction of the step before it was cut.
+        has_event: True if an event ends it.
+    """
+    x.rates_cached = 0.0 if has_event else 1.0
     commit(d, x, w)
     include_peaks(x, w, sigma)
     if has_event:
         include_event(d, x)
+    else:
+        count_loaded(d, x, w)
     remove_negative_slips(d, x)
 
 
@@ -286,6 +302,8 @@ def handle_event(d: Constants, x: State, which: int) -> None:
 def advance_to_event(d: Constants, x: State, w: Workspace, remaining: float) -> tuple[float, bool]:
     """Advance by one internal step, or to the first event in it.
 
+    A step that makes more than the allowed energy is repeated with half its length.
+
     Args:
         d: Constants; ``d.machine`` is written.
         x: State, advanced.
@@ -296,10 +314,17 @@ def advance_to_event(d: Constants, x: State, w: Workspace, remaining: float) -> 
         Time passed, s, or -1 if no step is small enough; True if the contact mode may change now.
     """
     begin_step(d, x, w)
-    if not make_accepted_step(d, x, w, remaining):
-        return -1.0, False
-    copy_accelerations(x.now, d.machine)
-    sigma, which = first_event(d, x, w)
+    limit = longest_step(d, x, remaining)
+    sigma, which = 1.0, NO_EVENT
+    for _ in range(MAX_REPEATS):
+        if not make_accepted_step(d, x, w, remaining, limit):
+            return -1.0, False
+        copy_accelerations(x.now, d.machine)
+        sigma, which = first_event(d, x, w)
+        limit = 0.5 * w.step
+        end_step(d, x, w, sigma, which != NO_EVENT)
+        if energy_made(d, x, w) <= 1.0:
+            break
     accept_step(d, x, w, sigma, which != NO_EVENT)
     handle_event(d, x, which)
     return w.step, NO_EVENT != which < guards.FLOW

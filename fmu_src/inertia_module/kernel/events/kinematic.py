@@ -127,16 +127,13 @@ def until_next_kink(d: Constants, x: State, h: float) -> float:
 
 
 def advance_kinematic(d: Constants, x: State, w: Workspace, remaining: float) -> float:
-    """Advance by one interval.
+    """Advance by one interval and return its length, s.
 
     Args:
         d: Constants.
         x: State, advanced.
         w: Workspace.
         remaining: Time until the end of the communication step, s.
-
-    Returns:
-        Length of the interval, s, or -1 if the speeds overflow.
     """
     rate = d.k * (1.0 - d.kinematic_ratio)
     h = min(remaining, d.max_step)
@@ -145,8 +142,6 @@ def advance_kinematic(d: Constants, x: State, w: Workspace, remaining: float) ->
     frequency += RAMP_PHASE_FACTOR * math.sqrt(scale * abs(x.alpha1))
     if frequency * h > MAX_GAUSS_PHASE:
         h = MAX_GAUSS_PHASE / frequency
-        if not h > 0.0:
-            return -1.0
     if d.losses != 0.0:
         h = until_next_kink(d, x, h)
     w.step = h

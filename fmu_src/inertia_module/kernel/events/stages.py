@@ -20,7 +20,6 @@ from ..tableau import (
     last_stage,
     write_dense_weights,
 )
-from .energy import balance
 from .guards import FLOW, SLIP, how_many_guards, is_spring, value_and_rate
 
 # places in fields.FOLLOWED
@@ -231,8 +230,6 @@ def make_step(d: Constants, x: State, w: Workspace, pair: int, h: float) -> None
     for n in range(last):
         w.weights[n] = WEIGHTS[N_STAGES * row + n]
     set_changes(d, x, w, h, FIRST_NONZERO_STAGE[row], last)
-    if d.losses == 0.0:
-        balance(d, x, w)
 
 
 def solve_changed(d: Constants, x: State, w: Workspace, changes: Followed) -> None:
@@ -284,8 +281,6 @@ def cut_step(d: Constants, x: State, w: Workspace, sigma: float) -> None:
     set_changes(d, x, w, sigma * w.step, FIRST_ERROR_STAGE, N_STAGES)
     w.step *= sigma
     solve_changed(d, x, w, w.change)
-    if d.losses == 0.0:
-        balance(d, x, w)
 
 
 def keep_end(d: Constants, x: State, w: Workspace) -> None:

@@ -4,7 +4,6 @@ import math
 
 from ..records import Constants, State, Workspace
 from ..tableau import DOP853_ROW, DOPRI5_ROW
-from .energy import energy_made
 from .error import error_norm, write_scales
 from .guards import how_many_guards, is_clear, is_watched
 from .stages import make_step
@@ -67,7 +66,7 @@ def try_short_step(d: Constants, x: State, w: Workspace, remaining: float) -> bo
     error = error_norm(w)
     size = next_factor(error, 5.0, SHORT_SAFETY) * remaining
     x.short_size = max(size, x.short_size) if size > remaining else size
-    if error > 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE or energy_made(d, x, w) > 1.0:
+    if error > 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE:
         return False
     for guard in range(how_many_guards(d)):
         if is_watched(d, x, guard) and not is_clear(x, w, guard):
@@ -75,21 +74,19 @@ def try_short_step(d: Constants, x: State, w: Workspace, remaining: float) -> bo
     return True
 
 
-def make_accepted_step(d: Constants, x: State, w: Workspace, remaining: float) -> bool:
-    """Make a step and shrink it until its error norm is at most 1 and it makes no energy.
-
-    The pair 5(4) makes a step that reaches the end of the communication step.
+def make_accepted_step(d: Constants, x: State, w: Workspace, remaining: float, limit: float) -> bool:
+    """Make a step and shrink it until its error norm is at most 1.
 
     Args:
-        d: Constants; ``d.machine`` holds the beginning of the step, and then its end.
+        d: Constants.
         x: State at the beginning of the step; the next step sizes are written.
         w: Workspace; the step and its stages are written.
-        remaining: Time to the end of the communication step, s.
+        remaining: Time to the end of the communication step, s. The pair 5(4) makes a step that reaches it.
+        limit: Maximum step of the pair 8(5,3), s.
 
     Returns:
         True if there is such a step.
     """
-    limit = longest_step(d, x, remaining)
     is_short = limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0)
     if is_short and try_short_step(d, x, w, remaining):
         return True
@@ -99,14 +96,11 @@ def make_accepted_step(d: Constants, x: State, w: Workspace, remaining: float) -
         make_step(d, x, w, DOP853_ROW, h)
         write_scales(d, x, w)
         error = error_norm(w)
-        factor = next_factor(error, 8.0, SAFETY)
-        if error > 1.0:
-            h *= factor
-        elif energy_made(d, x, w) > 1.0:
-            h *= 0.5
-        else:
+        size = h * next_factor(error, 8.0, SAFETY)
+        if error <= 1.0:
             # A step that the end of the communication step has shortened does not reduce the size
             is_cut = attempt == 0 and h < x.step_size
-            x.step_size = max(factor * h, x.step_size) if is_cut else factor * h
+            x.step_size = max(size, x.step_size) if is_cut else size
             return True
+        h = size
     return False
