@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from scenes import started
+from scenes import make_step, started
 
 from inertia_module.interface.records import record_type
 from inertia_module.kernel import tableau
@@ -97,7 +97,7 @@ def oscillating_step(pair, h):
     d, x, w = module.derived, module.state, record_type(WORKSPACE)()
     x.twist, x.rates_cached = AMPLITUDE, 0.0
     advance.begin_step(d, x, w)
-    stages.make_step(d, x, w, pair, h)
+    make_step(d, x, w, pair, h)
     return d, x, w
 
 

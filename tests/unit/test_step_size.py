@@ -3,11 +3,11 @@
 import math
 
 import pytest
-from scenes import PLANAR, SCENES, advanced, started
+from scenes import PLANAR, SCENES, advanced, make_step, started
 
 from inertia_module.interface.records import record_type
 from inertia_module.kernel import tableau
-from inertia_module.kernel.events import advance, energy, error, stages, step_size
+from inertia_module.kernel.events import advance, energy, error, step_size
 from inertia_module.kernel.fields import WORKSPACE
 from inertia_module.model import Module
 
@@ -35,7 +35,7 @@ def single_step(pair, h=1e-3):
     d, x, w = module.derived, module.state, record_type(WORKSPACE)()
     w.load, w.tolerance = x.load_torque, d.tolerance
     advance.begin_step(d, x, w)
-    stages.make_step(d, x, w, pair, h)
+    make_step(d, x, w, pair, h)
     error.write_scales(d, x, w)
     return d, x, w
 

@@ -220,16 +220,13 @@ def prescribe_link1(d: Constants, x: State, w: Workspace, changes: Followed, h: 
         changes.theta1 = h * (x.omega1 + 0.5 * h * w.prescribed)
 
 
-def make_step(d: Constants, x: State, w: Workspace, pair: int, h: float) -> None:
-    """Evaluate all stages of the step h by a pair (tableau.DOP853_ROW or DOPRI5_ROW), and the changes."""
-    w.step = h
-    w.pair = pair
-    last = last_stage(pair)
-    evaluate_stages(d, x, w, 1, last)
-    row = pair + last
+def set_step_changes(d: Constants, x: State, w: Workspace) -> None:
+    """Write the changes of the integrated quantities over the whole step, from its stages."""
+    last = last_stage(int(w.pair))
+    row = int(w.pair) + last
     for n in range(last):
         w.weights[n] = WEIGHTS[N_STAGES * row + n]
-    set_changes(d, x, w, h, FIRST_NONZERO_STAGE[row], last)
+    set_changes(d, x, w, w.step, FIRST_NONZERO_STAGE[row], last)
 
 
 def solve_changed(d: Constants, x: State, w: Workspace, changes: Followed) -> None:

@@ -3,10 +3,10 @@
 import math
 
 from ..records import Constants, State, Workspace
-from ..tableau import DOP853_ROW, DOPRI5_ROW
+from ..tableau import DOP853_LAST_STAGE, DOP853_ROW, DOPRI5_LAST_STAGE, DOPRI5_ROW
 from .error import error_norm, write_scales
 from .guards import how_many_guards, is_clear, is_watched
-from .stages import make_step
+from .stages import evaluate_stages, set_step_changes
 
 # Maximum phase of the highest harmonic in a step, rad
 STEP_PHASE = 2.0  # Of the pair 8(5,3); a longer step could pass over a pulse
@@ -55,15 +55,22 @@ def next_factor(error: float, order: float, safety: float) -> float:
     return min(MAX_FACTOR, max(MIN_FACTOR, safety * math.pow(error, -1.0 / order)))
 
 
+def step_error(d: Constants, x: State, w: Workspace) -> float:
+    """Write the changes over the step from its stages and return its error norm."""
+    set_step_changes(d, x, w)
+    write_scales(d, x, w)
+    return error_norm(w)
+
+
 def try_short_step(d: Constants, x: State, w: Workspace, remaining: float) -> bool:
     """Make the step to the end of the time remaining by the pair 5(4).
 
     Returns:
         Whether the step is accepted: the error is allowed and no event indicator comes near zero.
     """
-    make_step(d, x, w, DOPRI5_ROW, remaining)
-    write_scales(d, x, w)
-    error = error_norm(w)
+    w.pair, w.step = DOPRI5_ROW, remaining
+    evaluate_stages(d, x, w, 1, DOPRI5_LAST_STAGE)
+    error = step_error(d, x, w)
     size = next_factor(error, 5.0, SHORT_SAFETY) * remaining
     x.short_size = max(size, x.short_size) if size > remaining else size
     if error > 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE:
@@ -93,9 +100,9 @@ def make_accepted_step(d: Constants, x: State, w: Workspace, remaining: float, l
     x.short_size *= SHORT_GROWTH
     h = min(limit, x.step_size) if x.step_size > 0.0 else 0.1 * limit
     for attempt in range(MAX_REJECTIONS):
-        make_step(d, x, w, DOP853_ROW, h)
-        write_scales(d, x, w)
-        error = error_norm(w)
+        w.pair, w.step = DOP853_ROW, h
+        evaluate_stages(d, x, w, 1, DOP853_LAST_STAGE)
+        error = step_error(d, x, w)
         size = h * next_factor(error, 8.0, SAFETY)
         if error <= 1.0:
             # A step that the end of the communication step has shortened does not reduce the size
