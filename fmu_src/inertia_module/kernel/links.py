@@ -117,6 +117,12 @@ def fastest_own_rate(d: Constants, x: State) -> float:
     return rate
 
 
+def fastest_rate(d: Constants, x: State) -> float:
+    """Return the angular frequency of the fastest motion, rad/s: pulses, shaft and springs."""
+    pulses = d.harmonic * d.k * (abs(x.omega1) + abs(x.omega2))
+    return pulses + fastest_own_rate(d, x) if d.elastic != 0.0 else pulses
+
+
 def slowest_rate(d: Constants, compliance: float) -> float:
     """Modulus of the slowest eigenvalue of the shaft, rad/s: a damped one may be slow though stiff."""
     mobility = compliance + 1.0 / d.J4

@@ -14,17 +14,6 @@ from .loads import write_loads
 from .records import Constants, Outputs, State
 
 
-def has_energy_check(d: Constants) -> bool:
-    """Return True if the energy balance of each step is checked.
-
-    Averaged steps have a check of their own.
-
-    Args:
-        d: Constants.
-    """
-    return d.fidelity >= RIGID
-
-
 def stored_energy(d: Constants, x: State) -> float:
     """Return the stored energy, J: kinetic energy, weights and springs.
 
@@ -149,7 +138,7 @@ def write_late_outputs(d: Constants, x: State, y: Outputs) -> None:
     y.housing_torque_peak = x.housing_torque_peak
     y.housing_slip_peak = d.housing * x.housing_slip_peak
     y.output_slip_peak = d.output * x.output_slip_peak
-    stored = x.energy_stored if has_energy_check(d) else stored_energy(d, x)
+    stored = x.energy_stored if d.fidelity >= RIGID else stored_energy(d, x)
     net = x.energy_in - x.energy_out - y.energy_lost
     y.energy_stored = stored
     y.energy_residual = net - (stored - x.energy_start)

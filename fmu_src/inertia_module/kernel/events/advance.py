@@ -96,24 +96,28 @@ def commit(d: Constants, x: State, w: Workspace) -> None:
     x.turned3 += change.turned3
 
 
-def include_torques(x: State, output: float, housing: float) -> None:
-    """Include torques of the freewheels at an instant in their peaks, N m."""
+def include_in_peaks(
+    x: State, output: float, housing: float, housing_slip: float, output_slip: float
+) -> None:
+    """Include an instant in the peaks of torques, N m, and of slips of freewheels that overrun, rad/s.
+
+    Args:
+        x: State; the peaks are updated.
+        output: Torque of the output freewheel, N m.
+        housing: Torque of the housing freewheel, N m.
+        housing_slip: Slip of the housing freewheel, rad/s.
+        output_slip: Slip of the output freewheel, rad/s.
+    """
     x.torque_peak = max(x.torque_peak, abs(output))
     x.housing_torque_peak = max(x.housing_torque_peak, abs(housing))
-
-
-def include_slips(x: State, housing: float, output: float) -> None:
-    """Include the slips of freewheels that overrun in their peaks, rad/s."""
     if x.housing_state == OVERRUNNING:
-        x.housing_slip_peak = max(x.housing_slip_peak, housing)
+        x.housing_slip_peak = max(x.housing_slip_peak, housing_slip)
     if x.output_state == OVERRUNNING:
-        x.output_slip_peak = max(x.output_slip_peak, output)
+        x.output_slip_peak = max(x.output_slip_peak, output_slip)
 
 
-def include_peaks(x: State, w: Workspace, sigma: float) -> None:
-    """Include torques and slips of the freewheels in the present step in their peaks.
-
-    These are the values at its stages and the extrema of parabolas through three stages in a row.
+def include_step(x: State, w: Workspace, sigma: float) -> None:
+    """Include the stages of the present step in the peaks, and extrema of parabolas through three in a row.
 
     Args:
         x: State; the peaks are updated.
@@ -121,35 +125,23 @@ def include_peaks(x: State, w: Workspace, sigma: float) -> None:
         sigma: Fraction of the step that counts.
     """
     pair = int(w.pair)
+    slip2, slip3 = w.watched[guards.HOUSING].value, w.watched[guards.OUTPUT].value
     for n in range(last_stage(pair) + 1):
         if NODES[pair + n] <= sigma:
-            include_torques(x, w.rates[n].output, w.rates[n].housing)
-            include_slips(x, w.watched[guards.HOUSING].value[n], w.watched[guards.OUTPUT].value[n])
+            include_in_peaks(x, w.rates[n].output, w.rates[n].housing, slip2[n], slip3[n])
     first, count = stage_order_range(pair)
     for n in range(first, first + count - 2):
         i, j, k = int(STAGES_BY_TIME[n]), int(STAGES_BY_TIME[n + 1]), int(STAGES_BY_TIME[n + 2])
         t, u, v = NODES[pair + i], NODES[pair + j], NODES[pair + k]
         if u <= sigma:
-            one, two, three = w.rates[i], w.rates[j], w.rates[k]
-            include_torques(
+            a, b, c = w.rates[i], w.rates[j], w.rates[k]
+            include_in_peaks(
                 x,
-                parabola_extremum(t, u, v, one.output, two.output, three.output, sigma),
-                parabola_extremum(t, u, v, one.housing, two.housing, three.housing, sigma),
+                parabola_extremum(t, u, v, a.output, b.output, c.output, sigma),
+                parabola_extremum(t, u, v, a.housing, b.housing, c.housing, sigma),
+                parabola_extremum(t, u, v, slip2[i], slip2[j], slip2[k], sigma),
+                parabola_extremum(t, u, v, slip3[i], slip3[j], slip3[k], sigma),
             )
-            housing, output = w.watched[guards.HOUSING].value, w.watched[guards.OUTPUT].value
-            include_slips(
-                x,
-                parabola_extremum(t, u, v, housing[i], housing[j], housing[k], sigma),
-                parabola_extremum(t, u, v, output[i], output[j], output[k], sigma),
-            )
-
-
-def include_event(d: Constants, x: State) -> None:
-    """Include the instant before an event, whose torques d.machine holds, in all peaks."""
-    m = d.machine
-    include_torques(x, m.output, m.housing)
-    include_slips(x, x.omega2, x.omega3 - x.omega2)
-    include_last_step(d, x, x.omega1, m.alpha1, d.k * (x.omega1 - x.omega2), d.k * (m.alpha1 - m.alpha2))
 
 
 def count_loaded(d: Constants, x: State, w: Workspace) -> None:
@@ -249,9 +241,11 @@ def accept_step(d: Constants, x: State, w: Workspace, sigma: float, has_event: b
     """
     x.rates_cached = 0.0 if has_event else 1.0
     commit(d, x, w)
-    include_peaks(x, w, sigma)
+    include_step(x, w, sigma)
     if has_event:
-        include_event(d, x)
+        m = d.machine
+        include_in_peaks(x, m.output, m.housing, x.omega2, x.omega3 - x.omega2)
+        include_last_step(d, x, x.omega1, m.alpha1, d.k * (x.omega1 - x.omega2), d.k * (m.alpha1 - m.alpha2))
     else:
         count_loaded(d, x, w)
     remove_negative_slips(d, x)
