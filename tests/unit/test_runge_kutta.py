@@ -117,6 +117,6 @@ def test_dense_output_of_a_step_follows_the_motion():
     d, x, w = oscillating_step(tableau.DOP853_ROW, h)
     stages.evaluate_stages(d, x, w, tableau.DOP853_LAST_STAGE + 1, tableau.N_STAGES - 1)
     for sigma in SIGMAS:
-        stages.set_changes_inside(d, x, w, sigma)
+        stages.set_changes_inside(d, x, w, sigma, w.inside)
         exact = AMPLITUDE * (math.cos(RATE * sigma * h) - 1.0)
         assert w.inside.twist == pytest.approx(exact, abs=1e-8 * AMPLITUDE)

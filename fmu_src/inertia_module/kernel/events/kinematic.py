@@ -93,7 +93,7 @@ def advance_kinematic(d: Constants, x: State, w: Workspace, remaining: float) ->
         x.torque_peak = max(x.torque_peak, abs(d.machine.output))
         work_out += GAUSS_WEIGHTS[n] * h * d.machine.output * d.machine.omega2
     x.step_evaluations += N_GAUSS_NODES
-    set_changes(d, x, w, h, 1, N_GAUSS_NODES)
+    set_changes(d, x, w, w.change, h, 1, N_GAUSS_NODES)
     # Angles by their ratio, without the round-off of sums
     w.change.q = rate * w.change.theta1
     w.change.turned3 = d.kinematic_ratio * w.change.theta1

@@ -20,14 +20,12 @@ from ..tableau import (
     last_stage,
     write_dense_weights,
 )
-from .guards import FLOW, SLIP, how_many_guards, is_spring, value_and_rate
+from .guards import SLIP, how_many_guards, is_spring, value_and_rate
 
 # places in fields.FOLLOWED
 Q, OMEGA1, OMEGA2, OMEGA3 = 0, 1, 2, 3
 THETA1, LOST = 8, 11
 TWIST = LOST + CAUSES
-# how many quantities move with a rigid output: they come first
-RIGID_OUTPUT = 4
 # how many of them an ideal module of rigid output has
 FEWEST = 12
 
@@ -69,10 +67,9 @@ def keep_rates(d: Constants, x: State, w: Workspace, n: int) -> None:
         rates.wound_housing = -m.omega2 if turns else 0.0
         turns = x.output_state == ENGAGED_COMPLIANT or d.output_engagement_angle > 0.0
         rates.wound_output = m.omega2 - m.omega3 if turns else 0.0
-    for which in range(FLOW):
-        if which < SLIP or d.losses != 0.0:
-            w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
-    for which in range(FLOW, how_many_guards(d)):
+    for which in range(SLIP):
+        w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
+    for which in range(SLIP, how_many_guards(d)):
         w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
 
 
@@ -125,42 +122,30 @@ def weighed_four(
 def weigh(
     stages: Records[Followed],
     weights: Doubles,
-    begin: int,
     after: int,
     count: int,
     factor: float,
     sums: Doubles,
-    first: int,
     end: int,
 ) -> None:
-    """Write such sums of all, four or more, from the first to before the end, times a factor, into sums."""
-    for begins in range(first, end, 4):
+    """Write weighted sums of the rates of all quantities before the last one, four at a time.
+
+    Args:
+        stages: Rates at the stages (w.rates).
+        weights: Weights of the stages.
+        after: First stage after stage 0 with a weight, or an earlier one.
+        count: Number of stages.
+        factor: Factor of all sums.
+        sums: Sums, written.
+        end: Number of quantities, at least 4.
+    """
+    for begins in range(0, end, 4):
         which = min(begins, end - 4)
-        one, two, three, four = weighed_four(stages, weights, begin, after, count, which)
+        one, two, three, four = weighed_four(stages, weights, 0, after, count, which)
         sums[which] = factor * one
         sums[which + 1] = factor * two
         sums[which + 2] = factor * three
         sums[which + 3] = factor * four
-
-
-def weigh_motion(
-    d: Constants,
-    stages: Records[Followed],
-    weights: Doubles,
-    begin: int,
-    after: int,
-    count: int,
-    factor: float,
-    sums: Doubles,
-) -> None:
-    """Write weighted sums of the moving quantities (see weigh)."""
-    weigh(stages, weights, begin, after, count, factor, sums, 0, RIGID_OUTPUT)
-    if d.elastic + d.losses != 0.0:
-        weigh(stages, weights, begin, after, count, factor, sums, TWIST, len(sums))
-    if d.weight != 0.0:
-        sums[THETA1] = 0.0
-        for n in range(count):
-            sums[THETA1] += factor * weights[begin + n] * stages[n].theta1
 
 
 def evaluate_stages(d: Constants, x: State, w: Workspace, first: int, last: int) -> None:
@@ -205,16 +190,22 @@ def evaluate_stages(d: Constants, x: State, w: Workspace, first: int, last: int)
         keep_rates(d, x, w, n)
 
 
-def set_changes(d: Constants, x: State, w: Workspace, h: float, after: int, count: int) -> None:
-    """Write the changes of the integrated quantities over the time h, with the weights in w.weights."""
-    changes = w.change.numbers
-    followed = FEWEST if d.elastic + d.losses == 0.0 else len(changes)
-    weigh(w.rates, w.weights, 0, after, count, w.step, changes, 0, followed)
-    prescribe_link1(d, x, w, w.change, h)
+def set_changes(
+    d: Constants, x: State, w: Workspace, changes: Followed, h: float, after: int, count: int
+) -> None:
+    """Write the changes of the integrated quantities over a time, with the weights in w.weights.
 
-
-def prescribe_link1(d: Constants, x: State, w: Workspace, changes: Followed, h: float) -> None:
-    """Change of link 1 over the time h, where its speed is given."""
+    Args:
+        d: Constants.
+        x: State at the beginning of the step.
+        w: Workspace with the step, its stages and their weights.
+        changes: Record that is written.
+        h: Time, s; the change of a prescribed speed of link 1 follows from it.
+        after: First stage after stage 0 with a weight, or an earlier one.
+        count: Number of stages with weights.
+    """
+    numbers = FEWEST if d.elastic + d.losses == 0.0 else len(changes.numbers)
+    weigh(w.rates, w.weights, after, count, w.step, changes.numbers, numbers)
     if d.by_torque == 0.0:
         changes.omega1 = h * w.prescribed
         changes.theta1 = h * (x.omega1 + 0.5 * h * w.prescribed)
@@ -226,7 +217,7 @@ def set_step_changes(d: Constants, x: State, w: Workspace) -> None:
     row = int(w.pair) + last
     for n in range(last):
         w.weights[n] = WEIGHTS[N_STAGES * row + n]
-    set_changes(d, x, w, w.step, FIRST_NONZERO_STAGE[row], last)
+    set_changes(d, x, w, w.change, w.step, FIRST_NONZERO_STAGE[row], last)
 
 
 def solve_changed(d: Constants, x: State, w: Workspace, changes: Followed) -> None:
@@ -252,11 +243,10 @@ def solve_changed(d: Constants, x: State, w: Workspace, changes: Followed) -> No
     solve_motion(d, x, w)
 
 
-def set_changes_inside(d: Constants, x: State, w: Workspace, sigma: float) -> None:
-    """Write the changes of the motion over the fraction sigma of the step to w.inside (dense output)."""
+def set_changes_inside(d: Constants, x: State, w: Workspace, sigma: float, changes: Followed) -> None:
+    """Write the changes over the fraction sigma of the step of the pair 8(5,3) by its dense output."""
     write_dense_weights(sigma, w.weights)
-    weigh_motion(d, w.rates, w.weights, 0, FIRST_ERROR_STAGE, N_STAGES, w.step, w.inside.numbers)
-    prescribe_link1(d, x, w, w.inside, sigma * w.step)
+    set_changes(d, x, w, changes, sigma * w.step, FIRST_ERROR_STAGE, N_STAGES)
 
 
 def exact_guard(d: Constants, x: State, w: Workspace, which: int, sigma: float) -> float:
@@ -266,7 +256,7 @@ def exact_guard(d: Constants, x: State, w: Workspace, which: int, sigma: float) 
     if sigma == 1.0:
         value = values[DOP853_LAST_STAGE]
     elif sigma > 0.0:
-        set_changes_inside(d, x, w, sigma)
+        set_changes_inside(d, x, w, sigma, w.inside)
         solve_changed(d, x, w, w.inside)
         value, _ = value_and_rate(d, x, d.machine, which)
     return value - (0.0 if is_spring(x, which) else min(values[0], 0.0))
@@ -274,8 +264,7 @@ def exact_guard(d: Constants, x: State, w: Workspace, which: int, sigma: float) 
 
 def cut_step(d: Constants, x: State, w: Workspace, sigma: float) -> None:
     """Cut the present step to its fraction sigma by its dense output; d.machine then holds its end."""
-    write_dense_weights(sigma, w.weights)
-    set_changes(d, x, w, sigma * w.step, FIRST_ERROR_STAGE, N_STAGES)
+    set_changes_inside(d, x, w, sigma, w.change)
     w.step *= sigma
     solve_changed(d, x, w, w.change)
 
