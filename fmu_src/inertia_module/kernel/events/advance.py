@@ -27,7 +27,7 @@ from ..tableau import (
 from . import guards
 from .energy import balance, energy_made, work_of_balancer
 from .location import first_event
-from .stages import cut_step, keep_end, keep_rates, solve_motion
+from .stages import cut_step, reuse_end, solve_motion, store_rates
 from .step_size import limit_size_after_switch, longest_step, make_accepted_step
 
 MAX_REPEATS = 20  # Of a step that makes energy, each half as long
@@ -199,9 +199,9 @@ def begin_step(d: Constants, x: State, w: Workspace) -> None:
     else:
         solve_motion(d, x, w)
     if x.rates_cached != 0.0 and d.losses != 0.0:
-        keep_end(d, x, w)
+        reuse_end(d, x, w)
     else:
-        keep_rates(d, x, w, 0)
+        store_rates(d, x, w, 0)
     x.rates_cached = 0.0
     w.momentum = momentum_of_links(d, m.i, m.b, x.omega1, x.omega2)
     w.energy = energy_of_links(d, m.i, m.b, m.g, x.omega1, x.omega2)

@@ -12,7 +12,7 @@ from ..loads import store_beginning
 from ..records import Constants, State, Workspace
 from ..tableau import GAUSS_NODES, GAUSS_WEIGHTS, N_GAUSS_NODES
 from .advance import commit
-from .stages import keep_rates, set_changes
+from .stages import set_changes, store_rates
 
 # Phase of the highest harmonic in one interval, rad. Losses have kinks where a mesh torque changes its sign.
 # The means are then accurate to about 1e-5.
@@ -88,7 +88,7 @@ def advance_kinematic(d: Constants, x: State, w: Workspace, remaining: float) ->
     for n in range(N_GAUSS_NODES):
         prescribe_motion(d, x, GAUSS_NODES[n] * h)
         x.flow_sign = d.machine.flow_sign
-        keep_rates(d, x, w, n)
+        store_rates(d, x, w, n)
         w.weights[n] = GAUSS_WEIGHTS[n]
         x.torque_peak = max(x.torque_peak, abs(d.machine.output))
         work_out += GAUSS_WEIGHTS[n] * h * d.machine.output * d.machine.omega2

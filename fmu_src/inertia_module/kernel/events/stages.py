@@ -1,4 +1,4 @@
-"""A step of an embedded pair over all that the equations of motion follow: speeds, angles, sums.
+"""Stages of a step of an embedded pair, and the changes of speeds, angles and sums over it.
 
 w.rates[n] holds the rates at stage n (fields.FOLLOWED), w.change their integrals over the step.
 """
@@ -20,14 +20,13 @@ from ..tableau import (
     last_stage,
     write_dense_weights,
 )
-from .guards import SLIP, how_many_guards, is_spring, value_and_rate
+from .guards import SLIP, is_spring, n_indicators, value_and_rate
 
-# places in fields.FOLLOWED
+# Positions in fields.FOLLOWED
 Q, OMEGA1, OMEGA2, OMEGA3 = 0, 1, 2, 3
 THETA1, LOST = 8, 11
 TWIST = LOST + CAUSES
-# how many of them an ideal module of rigid output has
-FEWEST = 12
+N_IDEAL = 12  # Quantities of an ideal module with a rigid output, which come first
 
 
 def solve_motion(d: Constants, x: State, w: Workspace) -> None:
@@ -36,7 +35,7 @@ def solve_motion(d: Constants, x: State, w: Workspace) -> None:
     x.step_evaluations += 1.0
 
 
-def keep_rates(d: Constants, x: State, w: Workspace, n: int) -> None:
+def store_rates(d: Constants, x: State, w: Workspace, n: int) -> None:
     """Store the rates of the integrated quantities at stage n, from d.machine after motion.evaluate."""
     m = d.machine
     rates = w.rates[n]
@@ -48,7 +47,7 @@ def keep_rates(d: Constants, x: State, w: Workspace, n: int) -> None:
     rates.omega2 = m.alpha2
     rates.omega3 = m.alpha3
     rates.theta1 = m.omega1
-    # (in maps of fidelity averaged, where the output turns evenly, the energy takes its place)
+    # In maps of fidelity averaged, whose output has a constant speed, the energy takes its place
     rates.turned3 = m.omega3
     if d.averaged != 0.0:
         rates.turned3 = energy_of_links(d, m.i, m.b, m.g, m.omega1, m.omega2)
@@ -69,7 +68,7 @@ def keep_rates(d: Constants, x: State, w: Workspace, n: int) -> None:
         rates.wound_output = m.omega2 - m.omega3 if turns else 0.0
     for which in range(SLIP):
         w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
-    for which in range(SLIP, how_many_guards(d)):
+    for which in range(SLIP, n_indicators(d)):
         w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
 
 
@@ -81,7 +80,7 @@ def turn_freewheels(x: State, m: Machine, housing: float, output: float) -> None
     m.play_output = x.play_output - output
 
 
-def weighed_rate(w: Workspace, row: int, count: int, which: int, after: int) -> float:
+def weighted_rate(w: Workspace, row: int, count: int, which: int, after: int) -> float:
     """Return the weighted sum of the rates of a quantity.
 
     Args:
@@ -97,7 +96,7 @@ def weighed_rate(w: Workspace, row: int, count: int, which: int, after: int) -> 
     return total
 
 
-def weighed_four(
+def four_weighted_sums(
     stages: Records[Followed],
     weights: Doubles | tuple[float, ...],
     begin: int,
@@ -105,7 +104,16 @@ def weighed_four(
     count: int,
     first: int,
 ) -> tuple[float, float, float, float]:
-    """Weighed sums of four quantities at stage 0 and others (w.rates ...), weights from place begin on."""
+    """Return weighted sums of the rates of four quantities.
+
+    Args:
+        stages: Rates at the stages (w.rates).
+        weights: Weights of the stages.
+        begin: Position of the weight of stage 0.
+        after: First stage after stage 0 with a weight, or an earlier one.
+        count: Number of stages.
+        first: Number of the first quantity in fields.FOLLOWED.
+    """
     weight, numbers = weights[begin], stages[0].numbers
     a, b = weight * numbers[first], weight * numbers[first + 1]
     c, d = weight * numbers[first + 2], weight * numbers[first + 3]
@@ -119,7 +127,7 @@ def weighed_four(
     return a, b, c, d
 
 
-def weigh(
+def write_weighted_sums(
     stages: Records[Followed],
     weights: Doubles,
     after: int,
@@ -141,7 +149,7 @@ def weigh(
     """
     for begins in range(0, end, 4):
         which = min(begins, end - 4)
-        one, two, three, four = weighed_four(stages, weights, 0, after, count, which)
+        one, two, three, four = four_weighted_sums(stages, weights, 0, after, count, which)
         sums[which] = factor * one
         sums[which + 1] = factor * two
         sums[which + 2] = factor * three
@@ -163,7 +171,7 @@ def evaluate_stages(d: Constants, x: State, w: Workspace, first: int, last: int)
     pair = int(w.pair)
     for n in range(first, last + 1):
         row = pair + n
-        q, omega1, omega2, omega3 = weighed_four(
+        q, omega1, omega2, omega3 = four_weighted_sums(
             w.rates, WEIGHTS, N_STAGES * row, FIRST_NONZERO_STAGE[row], n, Q
         )
         m.q = x.q + h * q
@@ -172,9 +180,9 @@ def evaluate_stages(d: Constants, x: State, w: Workspace, first: int, last: int)
         m.omega3 = m.omega2 if x.output_state == LOCKED else x.omega3 + h * omega3
         if d.weight != 0.0:
             mean = NODES[row] * (x.omega1 + 0.5 * NODES[row] * h * w.prescribed)
-            m.theta1 = x.theta1 + h * (mean if d.by_torque == 0.0 else weighed_rate(w, row, n, THETA1, 1))
+            m.theta1 = x.theta1 + h * (mean if d.by_torque == 0.0 else weighted_rate(w, row, n, THETA1, 1))
         if d.elastic + d.turning != 0.0:
-            twist, relative, housing, output = weighed_four(
+            twist, relative, housing, output = four_weighted_sums(
                 w.rates, WEIGHTS, N_STAGES * row, FIRST_NONZERO_STAGE[row], n, TWIST
             )
             m.twist = x.twist + h * twist
@@ -187,7 +195,7 @@ def evaluate_stages(d: Constants, x: State, w: Workspace, first: int, last: int)
         else:
             equations_of_motion(d, x, w.prescribed, w.load, True, IDEAL)
         x.step_evaluations += 1.0
-        keep_rates(d, x, w, n)
+        store_rates(d, x, w, n)
 
 
 def set_changes(
@@ -204,8 +212,8 @@ def set_changes(
         after: First stage after stage 0 with a weight, or an earlier one.
         count: Number of stages with weights.
     """
-    numbers = FEWEST if d.elastic + d.losses == 0.0 else len(changes.numbers)
-    weigh(w.rates, w.weights, after, count, w.step, changes.numbers, numbers)
+    numbers = N_IDEAL if d.elastic + d.losses == 0.0 else len(changes.numbers)
+    write_weighted_sums(w.rates, w.weights, after, count, w.step, changes.numbers, numbers)
     if d.by_torque == 0.0:
         changes.omega1 = h * w.prescribed
         changes.theta1 = h * (x.omega1 + 0.5 * h * w.prescribed)
@@ -250,7 +258,10 @@ def set_changes_inside(d: Constants, x: State, w: Workspace, sigma: float, chang
 
 
 def exact_guard(d: Constants, x: State, w: Workspace, which: int, sigma: float) -> float:
-    """Return an event indicator at the part sigma of the step by the equations, less its first error."""
+    """Return an event indicator at the fraction sigma of the step by the equations of motion.
+
+    A negative value at the beginning is round-off and is subtracted, except for a spring.
+    """
     values = w.watched[which].value
     value = values[0]
     if sigma == 1.0:
@@ -269,10 +280,10 @@ def cut_step(d: Constants, x: State, w: Workspace, sigma: float) -> None:
     solve_changed(d, x, w, w.change)
 
 
-def keep_end(d: Constants, x: State, w: Workspace) -> None:
+def reuse_end(d: Constants, x: State, w: Workspace) -> None:
     """Store the rates at the end of the step as those of stage 0 of the next."""
     end = last_stage(int(w.pair))
     copy(w.rates[0].numbers, w.rates[end].numbers)
-    for which in range(how_many_guards(d)):
+    for which in range(n_indicators(d)):
         w.watched[which].value[0] = w.watched[which].value[end]
         w.watched[which].rate[0] = w.watched[which].rate[end]

@@ -5,7 +5,7 @@ import math
 from ..records import Constants, State, Workspace
 from ..tableau import DOP853_LAST_STAGE, DOP853_ROW, DOPRI5_LAST_STAGE, DOPRI5_ROW
 from .error import error_norm, write_scales
-from .guards import how_many_guards, is_clear, is_watched
+from .guards import is_clear, is_watched, n_indicators
 from .stages import evaluate_stages, set_step_changes
 
 # Maximum phase of the highest harmonic in a step, rad
@@ -75,7 +75,7 @@ def try_short_step(d: Constants, x: State, w: Workspace, remaining: float) -> bo
     x.short_size = max(size, x.short_size) if size > remaining else size
     if error > 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE:
         return False
-    for guard in range(how_many_guards(d)):
+    for guard in range(n_indicators(d)):
         if is_watched(d, x, guard) and not is_clear(x, w, guard):
             return False
     return True
