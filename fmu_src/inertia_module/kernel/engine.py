@@ -60,17 +60,15 @@ def switch_now(d: Constants, x: State) -> None:
 
 
 def begin_events(d: Constants, x: State, w: Workspace) -> None:
-    """Read the inputs of the step; select the contact mode again if they have changed."""
+    """Begin the event loop; select the contact mode again if its torques have changed."""
     w.prescribed = prescribed_at_input(d, x)
     w.load = x.load_torque
-    if x.torques_continue == 0.0 or x.prescribed != w.prescribed or x.load_prescribed != w.load:
+    if x.torques_continue == 0.0:
         x.rates_cached = 0.0
         switch_mode(d, x, CONTINUATION_BIAS)
     if d.losses != 0.0:
         x.rates_cached = 0.0  # Rates of losses and event indicators are not part of the state
     x.torques_continue = 0.0
-    x.prescribed = w.prescribed
-    x.load_prescribed = w.load
 
 
 def switch_or_stop(d: Constants, x: State, w: Workspace, can_stop: bool) -> bool:

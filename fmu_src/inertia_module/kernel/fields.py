@@ -94,7 +94,6 @@ STATE = (
     "switching",  # 1 if the communication step stopped just before an event
     "mean_step",  # averaged: next internal step, s
     "torques_continue",  # 1 if the contact mode holds under the same torques
-    *("prescribed", "load_prescribed"),  # torque or acceleration of link 1 and load of the last step
     "rates_cached",  # 1 if `now` holds at this instant
     *PLAY,
     ("now", NOW),

@@ -374,8 +374,6 @@ class State:
     switching: float
     mean_step: float
     torques_continue: float
-    prescribed: float
-    load_prescribed: float
     rates_cached: float
     play_housing: float
     play_output: float

@@ -28,8 +28,9 @@ from . import guards
 from .energy import balance, energy_made, work_of_balancer
 from .location import first_event
 from .stages import cut_step, reuse_end, solve_motion, store_rates
-from .step_size import limit_size_after_switch, longest_step, make_accepted_step
+from .step_size import longest_step, make_accepted_step
 
+FIRST_PHASE = 1.0  # rad of the highest harmonic, of the first step in a new contact mode
 MAX_REPEATS = 20  # Of a step that makes energy, each half as long
 NO_PLAY = 1e-300  # rad, minimum rest of an engagement angle that is not used up
 
@@ -281,7 +282,10 @@ def handle_event(d: Constants, x: State, which: int) -> None:
     elif which > guards.FLOW:
         x.spin_signs = toggle_bit(x.spin_signs, which - guards.SPIN)
     elif which != NO_EVENT:
-        limit_size_after_switch(d, x)
+        # The error of the first step in a new contact mode may be estimated far too low
+        slip = d.harmonic * d.k * abs(x.omega1 - x.omega2)
+        if x.step_size * slip > FIRST_PHASE:
+            x.step_size = FIRST_PHASE / slip
         if guards.is_speed(x, which):
             x.slip_reached_zero = 1.0 if which == guards.SLIP and x.housing_state != LOCKED else 0.0
             if guards.is_play(x, which):

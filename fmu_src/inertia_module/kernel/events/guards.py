@@ -69,11 +69,6 @@ def is_spring(x: State, which: int) -> bool:
     return which < SLIP and freewheel_state(x, which) == ENGAGED_COMPLIANT
 
 
-def is_exact(x: State, which: int) -> bool:
-    """Return True if an indicator is a torque that ends a contact mode: it is evaluated by the equations."""
-    return which < FLOW and not is_speed(x, which)
-
-
 def housing_indicator(d: Constants, x: State, m: Machine) -> tuple[float, float]:
     """Return the indicator of the housing freewheel and its rate (see value_and_rate)."""
     if x.housing_state == OVERRUNNING:

@@ -108,7 +108,7 @@ def fall_between(
         value_high: dense output there.
     """
     sigma = illinois(d, x, w, which, zero, low, value_low, high, value_high, False)
-    if not guards.is_exact(x, which):
+    if which >= guards.FLOW or guards.is_speed(x, which):
         return sigma
     value = exact_guard(d, x, w, which, sigma)
     if value < -zero:

@@ -11,18 +11,10 @@ from .stages import evaluate_stages, set_step_changes
 # Maximum phase of the highest harmonic in a step, rad
 STEP_PHASE = 2.0  # Of the pair 8(5,3); a longer step could pass over a pulse
 QUIET_PHASE = 2.0  # Of the pair 5(4), whose few stages exclude events
-FIRST_PHASE = 1.0  # Of the first step in a new contact mode
 SAFETY, SHORT_SAFETY = 0.8, 0.9  # Safety factors of the pairs 8(5,3) and 5(4)
 MIN_FACTOR, MAX_FACTOR = 0.2, 5.0  # Between successive step sizes
 SHORT_GROWTH = 1.05  # Of the size of the pair 5(4) in each step of the pair 8(5,3)
 MAX_REJECTIONS = 100  # Of a step, before it is given up
-
-
-def advance_of_phase(d: Constants, x: State, w: Workspace) -> float:
-    """Return the advance of the highest harmonic in the present step, rad."""
-    slip = abs(x.omega1 - x.omega2)
-    end = abs(x.omega1 + w.change.omega1 - x.omega2 - w.change.omega2)
-    return w.step * d.harmonic * d.k * max(slip, end)
 
 
 def longest_step(d: Constants, x: State, remaining: float) -> float:
@@ -37,13 +29,6 @@ def longest_step(d: Constants, x: State, remaining: float) -> float:
     if 0.5 * growth * step * step > STEP_PHASE:
         step = math.sqrt(2.0 * STEP_PHASE / growth)
     return step
-
-
-def limit_size_after_switch(d: Constants, x: State) -> None:
-    """Limit the size of the first step in a new contact mode: an error in it may be estimated far too low."""
-    slip = d.harmonic * d.k * abs(x.omega1 - x.omega2)
-    if x.step_size * slip > FIRST_PHASE:
-        x.step_size = FIRST_PHASE / slip
 
 
 def next_factor(error: float, order: float, safety: float) -> float:
@@ -73,7 +58,9 @@ def try_short_step(d: Constants, x: State, w: Workspace, remaining: float) -> bo
     error = step_error(d, x, w)
     size = next_factor(error, 5.0, SHORT_SAFETY) * remaining
     x.short_size = max(size, x.short_size) if size > remaining else size
-    if error > 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE:
+    slip, change = x.omega1 - x.omega2, w.change.omega1 - w.change.omega2
+    phase = remaining * d.harmonic * d.k * max(abs(slip), abs(slip + change))
+    if error > 1.0 or phase > QUIET_PHASE:
         return False
     for guard in range(n_indicators(d)):
         if is_watched(d, x, guard) and not is_clear(x, w, guard):
