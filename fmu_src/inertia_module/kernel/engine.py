@@ -18,7 +18,7 @@ MIN_STEP_FRACTION = 1e-9  # Of the communication step, before it may end at a ch
 MAX_EVALUATIONS = 5e7  # Of the equations of motion in a communication step
 
 
-def solve_now(d: Constants, x: State) -> None:
+def solve_present(d: Constants, x: State) -> None:
     """Write accelerations and torques in the present contact mode to d.machine."""
     if x.output_state == RATIO_PRESCRIBED:
         prescribe_motion(d, x, 0.0)
@@ -30,24 +30,24 @@ def solve_now(d: Constants, x: State) -> None:
         evaluate(d, x, prescribed_at_input(d, x), x.load_torque, False)
 
 
-def follow_torque(d: Constants, x: State) -> None:
-    """Write the present acceleration of link 1 to the state if a torque drives it."""
+def update_alpha1(d: Constants, x: State) -> None:
+    """Write the present acceleration of link 1 to the state if its torque is prescribed."""
     if d.by_torque != 0.0:
-        solve_now(d, x)
+        solve_present(d, x)
         x.alpha1 = d.machine.alpha1
 
 
-def follow_parameters(d: Constants, x: State) -> None:
+def update_motion(d: Constants, x: State) -> None:
     """Write the prescribed speed of link 2, or the contact mode and alpha1, after a change of parameters."""
     if d.fidelity == KINEMATIC:
         impose_ratio(d, x)
         x.mode = DRIVING
     elif d.fidelity != AVERAGED:
         select_mode(d, x, 0.0)
-        follow_torque(d, x)
+        update_alpha1(d, x)
 
 
-def switch_now(d: Constants, x: State) -> None:
+def handle_pending_event(d: Constants, x: State) -> None:
     """Select the contact mode if the last step has stopped just before an event."""
     if x.switching == 0.0:
         return
@@ -56,7 +56,7 @@ def switch_now(d: Constants, x: State) -> None:
     x.evaluations += x.step_evaluations
     x.switching = 0.0
     x.torques_continue = 1.0
-    follow_torque(d, x)
+    update_alpha1(d, x)
 
 
 def begin_events(d: Constants, x: State, w: Workspace) -> None:
@@ -75,10 +75,10 @@ def switch_or_stop(d: Constants, x: State, w: Workspace, can_stop: bool) -> bool
     """Select the contact mode after an event, or stop just before it changes.
 
     Args:
-        d: constants.
-        x: state.
-        w: workspace.
-        can_stop: whether the communication step may end here.
+        d: Constants.
+        x: State.
+        w: Workspace; ``stops`` is read, ``kept`` is written.
+        can_stop: True if the communication step may end here.
 
     Returns:
         True if the communication step ends just before the change.
@@ -88,7 +88,7 @@ def switch_or_stop(d: Constants, x: State, w: Workspace, can_stop: bool) -> bool
         copy(w.kept.numbers, x.numbers)
     has_changed = select_mode_after_event(d, x)
     if not has_changed:
-        x.step_size *= 0.5  # the dense output is too coarse for the event indicators
+        x.step_size *= 0.5  # The dense output is too coarse for the event indicators
     is_switch = x.mode != w.kept.mode or x.slip_sign != w.kept.slip_sign
     stops = w.stops != 0.0 and can_stop and has_changed and is_switch
     if stops:

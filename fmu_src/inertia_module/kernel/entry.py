@@ -15,7 +15,7 @@ from .codes import (
     UPDATE_PARAMETERS,
     WARN,
 )
-from .engine import follow_parameters, switch_now
+from .engine import handle_pending_event, update_motion
 from .links import fastest_rate
 from .outputs import write_late_outputs, write_outputs
 from .records import Constants, Inputs, Outputs, Parameters, State, Workspace
@@ -59,9 +59,9 @@ def write_output_rates(d: Constants, u: Inputs, x: State, y: Outputs, w: Workspa
     Returns:
         Status.
     """
-    switch_now(d, x)
+    handle_pending_event(d, x)
     if x.torques_continue == 0.0:
-        follow_parameters(d, x)  # Parameters may have changed since the last step
+        update_motion(d, x)  # Parameters may have changed since the last step
     write_outputs(x, y)
     write_late_outputs(d, x, y)
     h = DIFFERENCING_PHASE / max(fastest_rate(d, x), MIN_FREQUENCY)
@@ -129,7 +129,7 @@ def call(
         write_late_outputs(d, x, y)
         return OK
     if operation == HANDLE_EVENT:
-        switch_now(d, x)
+        handle_pending_event(d, x)
         write_outputs(x, y)
         return OK
     if operation == OUTPUT_DERIVATIVES:

@@ -6,7 +6,7 @@ Late outputs take longer to compute. The FMU computes them when they are read.
 from .accumulate import TWO_PI, total
 from .averaged.mean_motion import averaged_energy, write_averaged
 from .codes import AVERAGED, KINEMATIC, RIGID
-from .engine import solve_now
+from .engine import solve_present
 from .equations.losses import FREEWHEEL, JOURNAL, MESH, SHAFT, VISCOUS, WINDAGE
 from .equations.motion import potential_energy
 from .links import kinetic_energy
@@ -42,7 +42,7 @@ def shaft_twist(d: Constants, x: State) -> float:
         d: Constants; d.machine is written.
         x: State.
     """
-    solve_now(d, x)
+    solve_present(d, x)
     torque = (1.0 - d.balancer) * d.J4 * d.machine.alpha3 + d.driven_friction * x.omega3 + x.load_torque
     return torque / d.shaft_stiffness
 
@@ -60,7 +60,7 @@ def write_torques(d: Constants, x: State, y: Outputs) -> float:
     """
     if d.fidelity == AVERAGED:
         return write_averaged(d, x, y)
-    solve_now(d, x)
+    solve_present(d, x)
     m = d.machine
     y.output_acceleration = m.alpha3 - m.rate_relative
     y.input_torque = m.drive

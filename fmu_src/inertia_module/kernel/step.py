@@ -13,7 +13,14 @@ from .averaged.mean_motion import end_step, jump_averaged, takes_up_jump
 from .averaged.periodic_orbit import find_orbit, hold_output, release_angle
 from .averaged.torque_map import build_map
 from .checks import check_parameters
-from .engine import follow_parameters, follow_torque, run_events, run_kinematic, solve_now, switch_now
+from .engine import (
+    handle_pending_event,
+    run_events,
+    run_kinematic,
+    solve_present,
+    update_alpha1,
+    update_motion,
+)
 from .events.kinematic import impose_ratio
 from .impulse import jump_input
 from .inputs import check_hold, check_inputs, check_step, read_inputs
@@ -72,7 +79,7 @@ def start(p: Parameters, d: Constants, u: Inputs, x: State, y: Outputs, w: Works
         end_step(d, x)
         x.switches = 0.0
     else:
-        follow_parameters(d, x)
+        update_motion(d, x)
     if d.rigid_shaft != 0.0:
         x.twist = shaft_twist(d, x)
     x.energy_start = stored_energy(d, x)
@@ -92,7 +99,7 @@ def tune(p: Parameters, d: Constants, x: State, w: Workspace) -> int:
     if status == codes.OK and d.fidelity == codes.AVERAGED:
         status = build_map(p, d, w)
     if status == codes.OK:
-        switch_now(d, x)
+        handle_pending_event(d, x)
         x.torques_continue = 0.0
         x.rates_cached = 0.0
     return status
@@ -144,7 +151,7 @@ def is_instant(d: Constants, x: State, h: float) -> bool:
     m = d.machine
     if d.fidelity == codes.AVERAGED or not h * fastest_rate(d, x) < INSTANT_PHASE:
         return False
-    solve_now(d, x)
+    solve_present(d, x)
     missing = abs(x.input_impulse - h * m.drive) + abs(x.housing_impulse - h * m.housing)
     missing += abs(x.output_impulse - h * m.output)
     fastest = abs(x.omega1) + abs(x.omega2) + abs(x.omega3) + abs(x.relative)
@@ -258,7 +265,7 @@ def audit(d: Constants, x: State, before: State, stored: float, tolerance: float
 
 def take_up_inputs(d: Constants, u: Inputs, x: State, h: float) -> None:
     """Read the inputs of a step; apply a jump of the input speed or of a prescribed ratio."""
-    switch_now(d, x)
+    handle_pending_event(d, x)
     jump = read_inputs(d, u, x, h)
     if abs(jump) <= SPEED_RTOL * (abs(x.omega1) + abs(x.alpha1) * h + abs(x.omega2) + abs(x.omega3)):
         x.omega1 += jump  # As a jump it would open freewheels
@@ -285,7 +292,7 @@ def finish_step(d: Constants, x: State, w: Workspace, start1: float) -> int:
     """
     if d.by_torque != 0.0:
         if d.fidelity != codes.AVERAGED:
-            follow_torque(d, x)
+            update_alpha1(d, x)
         x.input_impulse = x.drive_torque * x.length
     else:
         x.omega1 = start1 + x.alpha1 * x.length
