@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 from inertia_module.interface.variables import PARAMETER, with_causality
+from inertia_module.kernel.events import stages
+from inertia_module.kernel.tableau import last_stage
 from inertia_module.model import Module
 from verification.reference.motion import Reference
 
@@ -112,6 +114,13 @@ def advanced(module, *steps, **inputs):
     for step in steps:
         module.advance(step)
     return module
+
+
+def make_step(d, x, w, pair, h):
+    """Make a step h by a pair (tableau.DOP853_ROW or DOPRI5_ROW)."""
+    w.pair, w.step = pair, h
+    stages.evaluate_stages(d, x, w, 1, last_stage(pair))
+    stages.set_step_changes(d, x, w)
 
 
 def parameters(**values):

@@ -39,5 +39,5 @@ def test_each_function_of_the_walk_calls_the_next(caller, called):
     assert called[1] in {node.func.id for node in calls if isinstance(node.func, ast.Name)}
 
 
-def test_nine_calls_lead_from_the_entry_to_the_geometry():
-    assert len(CHAIN) - 1 == 9
+def test_seven_calls_lead_from_the_entry_to_the_geometry():
+    assert len(CHAIN) - 1 == 7

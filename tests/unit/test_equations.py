@@ -11,7 +11,7 @@ from inertia_module.kernel.codes import DRIVING, FREE, HELD, HELD_DRIVING
 from inertia_module.kernel.equations.losses import FREEWHEEL, write_loss_powers
 from inertia_module.kernel.equations.motion import evaluate, potential_energy, solve_links
 from inertia_module.kernel.equations.satellites import toggle_bit
-from inertia_module.kernel.equations.states import LOCKED, LOSSY, OVERRUNNING, RATIO_PRESCRIBED
+from inertia_module.kernel.equations.states import LOCKED, OVERRUNNING, RATIO_PRESCRIBED
 from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.kernel.links import kinetic_energy
 
@@ -106,7 +106,7 @@ def test_input_power_is_output_power_losses_and_stored_energy(
     values = {**LAYOUTS[layout], "satellites": satellites, **GEARS, **drive, **output, **ALL_LOSSES}
     module = evaluated({**values, "windage": 1e-3}, mode, chance)
     d, x, m = module.derived, module.state, module.derived.machine
-    write_loss_powers(d, x, m, m, LOSSY)
+    write_loss_powers(d, x, m, m)
     loss = sum(m.lost)
     omega_out = m.omega3 - m.relative if d.elastic else m.omega3
     stored = difference(lambda time: stored_energy_after(module, time), 1e-4)

@@ -10,7 +10,7 @@ from itertools import product
 
 import pytest
 from differences import difference
-from scenes import ENGINE, FRICTION, LAYOUTS, SCENES, started
+from scenes import ENGINE, FRICTION, LAYOUTS, SCENES, make_step, started
 
 from inertia_module.interface.records import record_type
 from inertia_module.kernel.codes import DRIVING, FREE, HELD, HELD_DRIVING
@@ -18,7 +18,7 @@ from inertia_module.kernel.equations.choice import select_mode
 from inertia_module.kernel.equations.states import LOCKED, OVERRUNNING
 from inertia_module.kernel.events.advance import begin_step
 from inertia_module.kernel.events.guards import fitted_guard
-from inertia_module.kernel.events.stages import evaluate_stages, exact_guard, make_step
+from inertia_module.kernel.events.stages import evaluate_stages, exact_guard
 from inertia_module.kernel.fields import WORKSPACE
 from inertia_module.kernel.links import prescribed_at_input
 from inertia_module.kernel.tableau import DOP853_LAST_STAGE, DOP853_ROW, N_STAGES, fit_dense_output

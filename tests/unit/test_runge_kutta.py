@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from scenes import started
+from scenes import make_step, started
 
 from inertia_module.interface.records import record_type
 from inertia_module.kernel import tableau
@@ -97,7 +97,7 @@ def oscillating_step(pair, h):
     d, x, w = module.derived, module.state, record_type(WORKSPACE)()
     x.twist, x.rates_cached = AMPLITUDE, 0.0
     advance.begin_step(d, x, w)
-    stages.make_step(d, x, w, pair, h)
+    make_step(d, x, w, pair, h)
     return d, x, w
 
 
@@ -117,6 +117,6 @@ def test_dense_output_of_a_step_follows_the_motion():
     d, x, w = oscillating_step(tableau.DOP853_ROW, h)
     stages.evaluate_stages(d, x, w, tableau.DOP853_LAST_STAGE + 1, tableau.N_STAGES - 1)
     for sigma in SIGMAS:
-        stages.set_changes_inside(d, x, w, sigma)
+        stages.set_changes_inside(d, x, w, sigma, w.inside)
         exact = AMPLITUDE * (math.cos(RATE * sigma * h) - 1.0)
         assert w.inside.twist == pytest.approx(exact, abs=1e-8 * AMPLITUDE)

@@ -44,7 +44,11 @@ INLINED = frozenset(
         *("equations.losses.applied_torques", "equations.losses.write_loss_powers"),
         *("inertia.reduced_inertia", "layout.bevel_imbalance_position"),
         *("sine.sine_cosine", "sine.sines_cosines"),
-        *("events.stages.rates_of", "events.stages.weighed_four", "events.stages.weigh"),
+        *(
+            "events.stages.store_rates",
+            "events.stages.four_weighted_sums",
+            "events.stages.write_weighted_sums",
+        ),
     )
 )
 RECORDS = ("parameters", "constants", "inputs", "state", "outputs", "workspace")

@@ -108,9 +108,6 @@ MESSAGES: Mapping[int, str] = {
         " kinematic). With prescribed motion the input torque is an output."
     ),
     **input_messages(VARIABLES),
-    codes.TOO_MANY_SWITCHES: (
-        f"{_REJECTED_STEP}too many freewheel switching events. The maximum is 1000 plus 64 per pulse."
-    ),
     codes.TOO_MUCH_WORK: (
         f"{_REJECTED_STEP}it requires more than 5e7 right-hand-side evaluations. Use a shorter communication"
         " step or increase the parameter tolerance."

@@ -9,17 +9,17 @@ TWO_PI_LOW = 2.4492935982947064e-16
 
 
 def add_loss(x: State, cause: int, lost: float) -> None:
-    """Add the energy, J, that a cause (equations.losses) has dissipated."""
+    """Add the energy, J, that a cause of losses has dissipated (equations.losses.CAUSES)."""
     x.lost[cause] += lost
     x.step_lost += lost
 
 
 def total(numbers: Doubles) -> float:
-    """Sum of an array."""
-    found = 0.0
+    """Return the sum of an array."""
+    result = 0.0
     for n in range(len(numbers)):
-        found += numbers[n]
-    return found
+        result += numbers[n]
+    return result
 
 
 def clear(numbers: Doubles) -> None:
@@ -29,7 +29,7 @@ def clear(numbers: Doubles) -> None:
 
 
 def copy(target: Doubles, source: Doubles) -> None:
-    """Fill an array with the numbers of another, at least as long."""
+    """Copy the first numbers of an array that is at least as long as the target."""
     for n in range(len(target)):
         target[n] = source[n]
 

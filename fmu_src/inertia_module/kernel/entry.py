@@ -15,8 +15,8 @@ from .codes import (
     UPDATE_PARAMETERS,
     WARN,
 )
-from .engine import follow_parameters, switch_now
-from .links import fastest_own_rate
+from .engine import handle_pending_event, update_motion
+from .links import fastest_rate
 from .outputs import write_late_outputs, write_outputs
 from .records import Constants, Inputs, Outputs, Parameters, State, Workspace
 from .step import advance, restore, start, start_steady, tune
@@ -25,19 +25,6 @@ DIFFERENCING_PHASE = 1e-4  # rad of the fastest motion, length of a differencing
 N_DIFFERENCING_TRIALS = 3  # A trial in which a freewheel switches is repeated with shorter steps
 DIFFERENCING_RETRY_FACTOR = 0.01  # On the length of the steps
 MIN_FREQUENCY = 1.0  # rad/s
-
-
-def fastest_rate(d: Constants, x: State) -> float:
-    """Return the angular frequency of the fastest motion, at least MIN_FREQUENCY, rad/s.
-
-    Args:
-        d: Constants.
-        x: State.
-    """
-    rate = d.harmonic * d.k * (abs(x.omega1) + abs(x.omega2))
-    if d.elastic != 0.0:
-        rate += fastest_own_rate(d, x)
-    return rate if rate > MIN_FREQUENCY else MIN_FREQUENCY
 
 
 def extrapolate_inputs(u: Inputs, x: State) -> None:
@@ -72,12 +59,12 @@ def write_output_rates(d: Constants, u: Inputs, x: State, y: Outputs, w: Workspa
     Returns:
         Status.
     """
-    switch_now(d, x)
+    handle_pending_event(d, x)
     if x.torques_continue == 0.0:
-        follow_parameters(d, x)  # Parameters may have changed since the last step
+        update_motion(d, x)  # Parameters may have changed since the last step
     write_outputs(x, y)
     write_late_outputs(d, x, y)
-    h = DIFFERENCING_PHASE / fastest_rate(d, x)
+    h = DIFFERENCING_PHASE / max(fastest_rate(d, x), MIN_FREQUENCY)
     copy(w.kept.numbers, x.numbers)
     copy(w.outputs_0.numbers, y.numbers)
     for trial in range(N_DIFFERENCING_TRIALS):
@@ -142,7 +129,7 @@ def call(
         write_late_outputs(d, x, y)
         return OK
     if operation == HANDLE_EVENT:
-        switch_now(d, x)
+        handle_pending_event(d, x)
         write_outputs(x, y)
         return OK
     if operation == OUTPUT_DERIVATIVES:

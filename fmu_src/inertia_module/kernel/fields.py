@@ -51,6 +51,7 @@ NOW = (
 # Sums over the communication step
 SUMS = (
     *("input_impulse", "mesh_impulse", "output_impulse", "housing_impulse"),  # N m s
+    *("input_jump", "output_jump"),  # impulses of M1 and Tc at a jump at its beginning, N m s
     "output_square",  # integral of Tc^2, N^2 m^2 s
     "turned3",  # angle of the output, rad
     "step_lost",  # energy lost, J
@@ -93,7 +94,6 @@ STATE = (
     "switching",  # 1 if the communication step stopped just before an event
     "mean_step",  # averaged: next internal step, s
     "torques_continue",  # 1 if the contact mode holds under the same torques
-    *("prescribed", "load_prescribed"),  # torque or acceleration of link 1 and load of the last step
     "rates_cached",  # 1 if `now` holds at this instant
     *PLAY,
     ("now", NOW),
@@ -172,7 +172,6 @@ CONSTANTS = (
     "period_turns",  # revolutions of the pinion shaft in a period
     "harmonic",  # highest harmonic of q in the reduced inertia
     *("F_by_slip", "F_by_speed", "F_by_alpha1"),  # bounds of |F| over slip^2, omega1^2 and |alpha1|, kg m^2
-    "lightest",  # minimum over maximum of the inertia of a link
     "bodies",  # 1 if the satellite gears have an inertia that depends on q
     *("body_i", "body_b"),  # their parts of I and B, kg m^2
     *("J1", "J2", "J3", "J4", "J16"),  # kg m^2

@@ -6,6 +6,7 @@ The first input is a speed, the others are torques (contract.models.interface ch
 
 from .codes import BAD_HOLD, BAD_INPUT, BAD_RATE, BAD_STEP, DRIVE_SPEED, OK
 from .fields import OF_MOTION, OF_SUMS, STATE, SUMS
+from .links import prescribed_at_input
 from .records import Constants, Inputs, ShaftInputs, ShaftState, State
 
 MAX_SPEED = 1e5  # rad/s
@@ -115,11 +116,14 @@ def read_inputs(d: Constants, u: Inputs, x: State, h: float) -> float:
         Jump of omega1 at the beginning of the step, rad/s; 0 if the torque is prescribed.
     """
     jump = 0.0
+    prescribed, load = prescribed_at_input(d, x), x.load_torque
     if d.drive == DRIVE_SPEED:
         jump = u.omega1 - x.omega1
         x.alpha1 = update_held_speed(d.input_hold, x, u.omega1, u.omega1_rate_given, u.omega1_rate)
     x.load_torque = mean_torque(u.load_torque, u.load_torque_rate_given, u.load_torque_rate, h)
     x.drive_torque = mean_torque(u.drive_torque, u.drive_torque_rate_given, u.drive_torque_rate, h)
+    if prescribed_at_input(d, x) != prescribed or x.load_torque != load:
+        x.torques_continue = 0.0
     x.length = h
     reset_sums(x)
     return jump

@@ -13,7 +13,7 @@ from .records import Constants, State
 
 
 def prescribed_at_input(d: Constants, x: State) -> float:
-    """Prescribed quantity at link 1: its torque M1, N m, or its acceleration alpha1, rad/s^2."""
+    """Return the prescribed quantity at link 1: its torque M1, N m, or its acceleration alpha1, rad/s^2."""
     return x.drive_torque if d.by_torque != 0.0 else x.alpha1
 
 
@@ -34,10 +34,10 @@ def friction_power(d: Constants, omega1: float, omega2: float, friction: float) 
 
 
 def response(d: Constants, inertia: float) -> float:
-    """How much of its own speed the mechanism can impart to a link of this inertia, 0 to 1.
+    """Return the fraction of its own speed that the mechanism can impart to a link of this inertia, 0 to 1.
 
-    The natural measure of an error of its speed: behind a heavy shaft the speed hardly changes, yet its
-    small changes are the torque.
+    It is the scale of an error of the link's speed. The speed of a heavy link hardly changes, but these small
+    changes are its torque.
     """
     own = d.F_by_alpha1
     return own / (own + inertia) if own > 0.0 else 1.0
@@ -65,7 +65,7 @@ def inertia_at_input(d: Constants, q: float) -> float:
 def inertia_of_link2(d: Constants, i: float, b: float, g: float) -> float:
     """Return the effective inertia of link 2, kg m^2.
 
-    J2 + k^2 G where the speed of link 1 is given, J2 + k^2 G - N^2 / Phi where it is free under its torque.
+    It is J2 + k^2 G if the speed of link 1 is prescribed, and J2 + k^2 G - N^2 / Phi if its torque is.
     """
     k = d.k
     if d.by_torque == 0.0:
@@ -74,19 +74,19 @@ def inertia_of_link2(d: Constants, i: float, b: float, g: float) -> float:
 
 
 def momentum_of_links(d: Constants, i: float, b: float, omega1: float, omega2: float) -> float:
-    """Angular momentum of links 1 and 2 and the imbalances, N m s."""
+    """Return the angular momentum of links 1 and 2 and the imbalances, N m s."""
     return (d.J1 + i) * omega1 + b * d.k * (omega1 - omega2) + d.J2 * omega2
 
 
 def energy_of_links(d: Constants, i: float, b: float, g: float, omega1: float, omega2: float) -> float:
-    """Kinetic energy of links 1 and 2 and the imbalances, J."""
+    """Return the kinetic energy of links 1 and 2 and the imbalances, J."""
     rate_q = d.k * (omega1 - omega2)
     links = 0.5 * ((d.J1 + i) * omega1 * omega1 + d.J2 * omega2 * omega2)
     return links + (b * omega1 + 0.5 * g * rate_q) * rate_q
 
 
 def kinetic_energy(d: Constants, q: float, omega1: float, omega2: float, omega3: float) -> float:
-    """Kinetic energy T of links 1 and 2, the imbalances and J3, J."""
+    """Return the kinetic energy of links 1 and 2, the imbalances and J3, J."""
     i, _, b, _, g, _ = reduced_inertia(d, q)
     return energy_of_links(d, i, b, g, omega1, omega2) + 0.5 * d.J3 * omega3 * omega3
 
@@ -117,8 +117,21 @@ def fastest_own_rate(d: Constants, x: State) -> float:
     return rate
 
 
+def fastest_rate(d: Constants, x: State) -> float:
+    """Return the angular frequency of the fastest motion, rad/s: pulses, shaft and springs."""
+    pulses = d.harmonic * d.k * (abs(x.omega1) + abs(x.omega2))
+    return pulses + fastest_own_rate(d, x) if d.elastic != 0.0 else pulses
+
+
 def slowest_rate(d: Constants, compliance: float) -> float:
-    """Modulus of the slowest eigenvalue of the shaft, rad/s: a damped one may be slow though stiff."""
+    """Return the modulus of the slowest eigenvalue of the shaft, rad/s.
+
+    A shaft with strong damping has a slow eigenvalue although it is stiff.
+
+    Args:
+        d: Constants.
+        compliance: 1/J of the parts that the shaft torque accelerates besides the driven mass.
+    """
     mobility = compliance + 1.0 / d.J4
     half = 0.5 * d.shaft_damping * mobility
     square = d.shaft_stiffness * mobility

@@ -6,23 +6,12 @@ Late outputs take longer to compute. The FMU computes them when they are read.
 from .accumulate import TWO_PI, total
 from .averaged.mean_motion import averaged_energy, write_averaged
 from .codes import AVERAGED, KINEMATIC, RIGID
-from .engine import solve_now
+from .engine import solve_present
 from .equations.losses import FREEWHEEL, JOURNAL, MESH, SHAFT, VISCOUS, WINDAGE
 from .equations.motion import potential_energy
 from .links import kinetic_energy
 from .loads import write_loads
 from .records import Constants, Outputs, State
-
-
-def has_energy_check(d: Constants) -> bool:
-    """Return True if the energy balance of each step is checked.
-
-    Averaged steps have a check of their own.
-
-    Args:
-        d: Constants.
-    """
-    return d.fidelity >= RIGID
 
 
 def stored_energy(d: Constants, x: State) -> float:
@@ -53,7 +42,7 @@ def shaft_twist(d: Constants, x: State) -> float:
         d: Constants; d.machine is written.
         x: State.
     """
-    solve_now(d, x)
+    solve_present(d, x)
     torque = (1.0 - d.balancer) * d.J4 * d.machine.alpha3 + d.driven_friction * x.omega3 + x.load_torque
     return torque / d.shaft_stiffness
 
@@ -71,7 +60,7 @@ def write_torques(d: Constants, x: State, y: Outputs) -> float:
     """
     if d.fidelity == AVERAGED:
         return write_averaged(d, x, y)
-    solve_now(d, x)
+    solve_present(d, x)
     m = d.machine
     y.output_acceleration = m.alpha3 - m.rate_relative
     y.input_torque = m.drive
@@ -149,7 +138,7 @@ def write_late_outputs(d: Constants, x: State, y: Outputs) -> None:
     y.housing_torque_peak = x.housing_torque_peak
     y.housing_slip_peak = d.housing * x.housing_slip_peak
     y.output_slip_peak = d.output * x.output_slip_peak
-    stored = x.energy_stored if has_energy_check(d) else stored_energy(d, x)
+    stored = x.energy_stored if d.fidelity >= RIGID else stored_energy(d, x)
     net = x.energy_in - x.energy_out - y.energy_lost
     y.energy_stored = stored
     y.energy_residual = net - (stored - x.energy_start)

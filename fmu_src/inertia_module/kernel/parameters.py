@@ -258,7 +258,7 @@ def min_inertia_ratio(d: Constants) -> float:
 
 
 def derive_bounds(d: Constants) -> None:
-    """Set bounds of the mesh torque |F| and the minimum inertia ratio.
+    """Set bounds of the mesh torque |F|.
 
     |F| <= F_by_slip slip^2 + F_by_speed omega1^2 + F_by_alpha1 |alpha1|, with slip = omega1 - omega2.
 
@@ -271,9 +271,6 @@ def derive_bounds(d: Constants) -> None:
     d.F_by_alpha1 = scale * d.F_by_alpha1 + d.k * (1.0 + d.k) * d.J16
     add_loss_bounds(d)
     add_gear_inertia(d)
-    d.lightest = min_inertia_ratio(d)
-    if d.by_torque != 0.0:
-        d.lightest = min(d.lightest, d.J1 / (d.J1 + d.F_by_alpha1)) if d.J1 > 0.0 else 0.0
 
 
 def derive_constants(p: Parameters, d: Constants) -> None:

@@ -235,7 +235,6 @@ class Constants:
     F_by_slip: float
     F_by_speed: float
     F_by_alpha1: float
-    lightest: float
     bodies: float
     body_i: float
     body_b: float
@@ -323,6 +322,8 @@ class State:
     mesh_impulse: float
     output_impulse: float
     housing_impulse: float
+    input_jump: float
+    output_jump: float
     output_square: float
     turned3: float
     step_lost: float
@@ -374,8 +375,6 @@ class State:
     switching: float
     mean_step: float
     torques_continue: float
-    prescribed: float
-    load_prescribed: float
     rates_cached: float
     play_housing: float
     play_output: float

@@ -13,33 +13,30 @@ from .averaged.mean_motion import end_step, jump_averaged, takes_up_jump
 from .averaged.periodic_orbit import find_orbit, hold_output, release_angle
 from .averaged.torque_map import build_map
 from .checks import check_parameters
-from .engine import follow_parameters, follow_torque, run_events, solve_now, switch_now
+from .engine import (
+    handle_pending_event,
+    run_events,
+    run_kinematic,
+    solve_present,
+    update_alpha1,
+    update_motion,
+)
 from .events.kinematic import impose_ratio
 from .impulse import jump_input
 from .inputs import check_hold, check_inputs, check_step, read_inputs
-from .links import fastest_own_rate
-from .outputs import has_energy_check, shaft_twist, stored_energy, write_late_outputs, write_outputs
+from .links import fastest_rate
+from .outputs import shaft_twist, stored_energy, write_late_outputs, write_outputs
 from .parameters import derive_constants
 from .records import Constants, Inputs, Outputs, Parameters, State, Workspace
 
-# tolerance of the second attempt at a step whose energies do not balance, over the tolerance
-MORE_CARE = 1e-3
-# allowed energy residual over the energies of the step and of the speeds: tolerances, within limits
-TOLERANCES = 1e3
-LEAST = 1e-6
-MOST = 0.1
-# round-off of the sums since the start, relative
-ROUNDING = 1e-14
-# J, round-off of any machine that moves
-NOTHING = 1e-30
-# tolerance of a step for differences of its results
-PRECISE = 1e-11
-# maximum tolerance of a periodic orbit: in free flight the error of a period does not decay
-STEADY_TOLERANCE = 1e-9
-# phase, rad, below which the means of the torques are round-off of momenta
-INSTANT = 1e-8
-# relative round-off of a prescribed speed at the end of the last step
-SAME_SPEED = 1e-14
+# Allowed imbalance over the energies of the step and of its speeds: so many tolerances, within limits
+AUDIT_TOLERANCES, MIN_AUDIT_SHARE, MAX_AUDIT_SHARE = 1e3, 1e-6, 0.1
+SUM_RTOL = 1e-14  # Round-off of the sums since the start
+ENERGY_ATOL = 1e-30  # J, round-off of any machine that moves
+DIFFERENCING_TOLERANCE = 1e-11  # Of a step for differences of its results
+MAX_ORBIT_TOLERANCE = 1e-9  # Of a periodic orbit: in free flight the error of a period does not decay
+INSTANT_PHASE = 1e-8  # rad; below it the means of the torques are round-off of momenta
+SPEED_RTOL = 1e-14  # Round-off of a prescribed speed at the end of the last step
 
 
 def check(p: Parameters, d: Constants, u: Inputs) -> int:
@@ -50,7 +47,7 @@ def check(p: Parameters, d: Constants, u: Inputs) -> int:
 
 
 def restore(p: Parameters, d: Constants, u: Inputs, w: Workspace) -> int:
-    """Check as check does; a map that a rejected change of parameters has cost is built again."""
+    """Check parameters and inputs; build a map of averaged again that a rejected change has overwritten."""
     status = check(p, d, u)
     if status == codes.OK and d.fidelity == codes.AVERAGED and d.map_ready < 0.0:
         status = build_map(p, d, w)
@@ -82,7 +79,7 @@ def start(p: Parameters, d: Constants, u: Inputs, x: State, y: Outputs, w: Works
         end_step(d, x)
         x.switches = 0.0
     else:
-        follow_parameters(d, x)
+        update_motion(d, x)
     if d.rigid_shaft != 0.0:
         x.twist = shaft_twist(d, x)
     x.energy_start = stored_energy(d, x)
@@ -102,7 +99,7 @@ def tune(p: Parameters, d: Constants, x: State, w: Workspace) -> int:
     if status == codes.OK and d.fidelity == codes.AVERAGED:
         status = build_map(p, d, w)
     if status == codes.OK:
-        switch_now(d, x)
+        handle_pending_event(d, x)
         x.torques_continue = 0.0
         x.rates_cached = 0.0
     return status
@@ -131,14 +128,14 @@ def start_steady(
     if status != codes.OK:
         return status
     hold_output(d)
-    w.tolerance = min(d.tolerance, STEADY_TOLERANCE)
+    w.tolerance = min(d.tolerance, MAX_ORBIT_TOLERANCE)
     d.map_evaluations = w.orbit_torque = 0.0
     w.orbit_start = release_angle(d, 1.0 if u.omega1 > 0.0 else -1.0)
     time = find_orbit(d, x, w, u.omega1, d.omega_out_start / abs(u.omega1), length)
     if time < 0.0:
         return codes.NO_CYCLIC_STEADY_STATE
     x.length = time
-    end(d, x, time, 0.0, 0.0, 0.0)
+    write_means(d, x, time)
     x.energy_stored = stored_energy(d, x)
     write_outputs(x, y)
     write_late_outputs(d, x, y)
@@ -146,43 +143,42 @@ def start_steady(
 
 
 def is_instant(d: Constants, x: State, h: float) -> bool:
-    """Return True if the impulses of the step are the torques at its end times its length.
+    """Return True if the step is so short that its impulses are the torques at its end times its length.
 
-    A host whose time is rounded leaves steps of 1e-17 s, in which changes of momenta are rounding. These
-    torques are then in d.machine.
+    A host that rounds its time makes steps of 1e-17 s, in which changes of momenta are round-off. The torques
+    are then in ``d.machine``.
     """
     m = d.machine
-    fastest = abs(x.omega1) + abs(x.omega2) + abs(x.omega3) + abs(x.relative)
-    swings = fastest_own_rate(d, x) if d.elastic != 0.0 else 0.0
-    if d.fidelity == codes.AVERAGED or not h * (d.harmonic * d.k * fastest + swings) < INSTANT:
+    if d.fidelity == codes.AVERAGED or not h * fastest_rate(d, x) < INSTANT_PHASE:
         return False
-    solve_now(d, x)
+    solve_present(d, x)
     missing = abs(x.input_impulse - h * m.drive) + abs(x.housing_impulse - h * m.housing)
     missing += abs(x.output_impulse - h * m.output)
-    return missing <= SAME_SPEED * fastest * (d.J1 + m.i + d.k * d.k * m.g + d.J2 + d.J3)
+    fastest = abs(x.omega1) + abs(x.omega2) + abs(x.omega3) + abs(x.relative)
+    return missing <= SPEED_RTOL * fastest * (d.J1 + m.i + d.k * d.k * m.g + d.J2 + d.J3)
 
 
-def pass_mesh(d: Constants, x: State, output: float) -> None:
-    """Impulse that the mesh has passed to link 2, by its momentum: J2 omega2' = M2 - b2 omega2 - Tc + Th."""
-    x.mesh_impulse = output - x.housing_impulse
-    if d.fidelity != codes.AVERAGED:  # there what it gains is the pulses'
+def write_mesh_impulse(d: Constants, x: State) -> None:
+    """Write the impulse of M2 by the momentum of link 2: J2 omega2' = M2 - b2 omega2 - Tc + Th."""
+    x.mesh_impulse = x.output_jump + x.output_impulse - x.housing_impulse
+    if d.fidelity != codes.AVERAGED:  # The mean mesh torque includes the momentum that the pulses store
         x.mesh_impulse += d.J2 * (x.omega2 - x.begin_omega2)
     if d.viscous != 0.0:
-        turned1 = x.theta1 - x.begin_theta1 + TWO_PI * (x.input_turns - x.begin_input_turns)
-        turned = x.q - x.begin_q + TWO_PI * (x.drive_turns - x.begin_drive_turns)
-        x.mesh_impulse += d.b2 * (turned1 - turned / d.k)
+        angle1 = x.theta1 - x.begin_theta1 + TWO_PI * (x.input_turns - x.begin_input_turns)
+        angle_q = x.q - x.begin_q + TWO_PI * (x.drive_turns - x.begin_drive_turns)
+        x.mesh_impulse += d.b2 * (angle1 - angle_q / d.k)
 
 
-def end(d: Constants, x: State, h: float, jump: float, input_jump: float, output_jump: float) -> None:
+def write_means(d: Constants, x: State, h: float) -> None:
     """Write means over the step, all impulses included, or the torques at the end of a very short step."""
-    pass_mesh(d, x, output_jump + x.output_impulse)
-    if jump == 0.0 and is_instant(d, x, h):
+    write_mesh_impulse(d, x)
+    if x.input_jump == 0.0 and x.output_jump == 0.0 and is_instant(d, x, h):
         m = d.machine
         x.input_impulse, x.mesh_impulse, x.housing_impulse = h * m.drive, h * m.mesh, h * m.housing
         x.output_impulse = h * m.output
         x.output_square = x.output_impulse * (x.output_impulse / h)
-    x.input_torque_mean = (input_jump + x.input_impulse) / h
-    x.output_torque_mean = (output_jump + x.output_impulse) / h
+    x.input_torque_mean = (x.input_jump + x.input_impulse) / h
+    x.output_torque_mean = (x.output_jump + x.output_impulse) / h
     mean = x.output_impulse / h
     variance = x.output_square / h - mean * mean
     x.torque_ripple = math.sqrt(variance) if variance > 0.0 else 0.0
@@ -220,12 +216,19 @@ def advance(d: Constants, u: Inputs, x: State, y: Outputs, w: Workspace, h: floa
     if status != codes.OK:
         return status
     copy(w.before.numbers, x.numbers)
-    w.tolerance = min(d.tolerance, PRECISE) if operation == codes.STEP_FOR_DIFFERENCING else d.tolerance
-    status = run(d, u, x, w, h)
-    if status == codes.NOT_BALANCED:
-        copy(x.numbers, w.before.numbers)
-        w.tolerance = max(MORE_CARE * w.tolerance, 1e-14)
-        status = run(d, u, x, w, h)
+    w.tolerance = d.tolerance
+    if operation == codes.STEP_FOR_DIFFERENCING:
+        w.tolerance = min(d.tolerance, DIFFERENCING_TOLERANCE)
+    take_up_inputs(d, u, x, h)
+    start1 = x.omega1
+    if d.fidelity == codes.AVERAGED:
+        status = run_averaged(d, x, w, h)
+    elif d.fidelity == codes.KINEMATIC:
+        status = run_kinematic(d, x, w, h)
+    else:
+        status = run_events(d, x, w, h)
+    if status == codes.OK:
+        status = finish_step(d, x, w, start1)
     if status != codes.OK:
         copy(x.numbers, w.before.numbers)
         return status
@@ -245,63 +248,62 @@ def audit(d: Constants, x: State, before: State, stored: float, tolerance: float
         stored: stored energy after the step, J.
         tolerance: tolerance of the step.
     """
-    put_in = x.energy_in - before.energy_in
-    put_out = x.energy_out - before.energy_out
+    work_in = x.energy_in - before.energy_in
+    work_out = x.energy_out - before.energy_out
     lost = x.step_lost
-    missing = put_in - put_out - lost - (stored - before.energy_stored)
-    energies = abs(put_in) + abs(put_out) + abs(lost) + abs(stored) + abs(before.energy_stored)
+    imbalance = work_in - work_out - lost - (stored - before.energy_stored)
+    energies = abs(work_in) + abs(work_out) + abs(lost) + abs(stored) + abs(before.energy_stored)
     x.energy_stored = stored
     fastest = max(abs(x.omega1), abs(before.omega1))
-    share = max(LEAST, min(TOLERANCES * tolerance, MOST))
-    slow = share * fastest  # speeds that may be missing: of a slow swing all that there is
+    share = max(MIN_AUDIT_SHARE, min(AUDIT_TOLERANCES * tolerance, MAX_AUDIT_SHARE))
+    slow = share * fastest  # Allowed error of the speeds
     allowed = share * energies + (d.J1 + d.J2 + d.J3 + d.J4) * slow * slow
-    # energies since the start are sums that round
-    allowed += ROUNDING * (abs(x.energy_in) + abs(x.energy_out) + abs(total(x.lost)))
-    return codes.OK if abs(missing) <= allowed + NOTHING else codes.NOT_BALANCED
+    # Round-off of the energies since the start
+    allowed += SUM_RTOL * (abs(x.energy_in) + abs(x.energy_out) + abs(total(x.lost)))
+    return codes.OK if abs(imbalance) <= allowed + ENERGY_ATOL else codes.NOT_BALANCED
 
 
-def apply_jump(d: Constants, u: Inputs, x: State, h: float, jump: float) -> tuple[float, float]:
-    """Apply a jump of the input speed or of a prescribed ratio; return the impulses of M1 and Tc, N m s."""
+def take_up_inputs(d: Constants, u: Inputs, x: State, h: float) -> None:
+    """Read the inputs of a step; apply a jump of the input speed or of a prescribed ratio."""
+    handle_pending_event(d, x)
+    jump = read_inputs(d, u, x, h)
+    if abs(jump) <= SPEED_RTOL * (abs(x.omega1) + abs(x.alpha1) * h + abs(x.omega2) + abs(x.omega3)):
+        x.omega1 += jump  # As a jump it would open freewheels
+        jump = 0.0
+    if jump == 0.0 and (d.fidelity != codes.KINEMATIC or x.omega2 == d.kinematic_ratio * x.omega1):
+        return
     if d.fidelity != codes.AVERAGED:
         x.torques_continue = 0.0
-        return jump_input(d, x, jump)
-    if takes_up_jump(d, x, jump, h):
+        x.input_jump, x.output_jump = jump_input(d, x, jump)
+    elif takes_up_jump(d, x, jump, h):
         x.alpha1 += jump / h
-        return 0.0, 0.0
-    return jump_averaged(d, x, jump), 0.0
+    else:
+        x.input_jump = jump_averaged(d, x, jump)
 
 
-def run(d: Constants, u: Inputs, x: State, w: Workspace, h: float) -> int:
-    """Advance the state by h under the inputs, and look at its energies. Returns a status."""
-    switch_now(d, x)
-    jump = read_inputs(d, u, x, h)
-    if abs(jump) <= SAME_SPEED * (abs(x.omega1) + abs(x.alpha1) * h + abs(x.omega2) + abs(x.omega3)):
-        x.omega1 += jump  # (as a jump it would let freewheels go)
-        jump = 0.0
-    input_jump = output_jump = 0.0
-    if jump != 0.0 or (d.fidelity == codes.KINEMATIC and x.omega2 != d.kinematic_ratio * x.omega1):
-        input_jump, output_jump = apply_jump(d, u, x, h, jump)
-    start1 = x.omega1
-    if d.fidelity == codes.AVERAGED:
-        status = run_averaged(d, x, w, h)
-    else:
-        status = run_events(d, x, w, h)
-    if status != codes.OK:
-        return status
-    if d.by_torque == 0.0:
-        x.omega1 = start1 + x.alpha1 * x.length
-        if d.fidelity == codes.KINEMATIC:
-            impose_ratio(d, x)
-    else:
+def finish_step(d: Constants, x: State, w: Workspace, start1: float) -> int:
+    """Write means, twist and energies at the end of a step; return OK if they are finite and balance.
+
+    Args:
+        d: Constants.
+        x: State at the end of the step, written.
+        w: Workspace with the state before the step.
+        start1: Speed of link 1 after a jump at the beginning, rad/s.
+    """
+    if d.by_torque != 0.0:
         if d.fidelity != codes.AVERAGED:
-            follow_torque(d, x)
+            update_alpha1(d, x)
         x.input_impulse = x.drive_torque * x.length
-    end(d, x, x.length, jump, input_jump, output_jump)
+    else:
+        x.omega1 = start1 + x.alpha1 * x.length
+    if d.fidelity == codes.KINEMATIC:
+        impose_ratio(d, x)
+    write_means(d, x, x.length)
     if d.rigid_shaft != 0.0:
         x.twist = shaft_twist(d, x)
     if not is_finite(x):
         return codes.NOT_FINITE
-    if not has_energy_check(d):
-        return codes.OK
+    if d.fidelity < codes.RIGID:
+        return codes.OK  # Averaged steps have a check of their own
     stored = stored_energy(d, x)
     return audit(d, x, w.before, stored, w.tolerance)

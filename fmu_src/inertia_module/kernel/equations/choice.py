@@ -279,15 +279,16 @@ def switch_mode(d: Constants, x: State, bias: float) -> None:
         x: State; the contact mode and the counters are written.
         bias: Added to the relative violation of the present mode.
     """
-    if x.output_state == states.RATIO_PRESCRIBED:
-        return
-    mode = x.mode
+    mode, housing, output = x.mode, x.housing_state, x.output_state
     select_mode(d, x, bias)
     x.step_evaluations += 1.0
     m = d.machine
-    housing = states.engages_at_once(x.housing_state, d.housing_drag, d.housing_engagement_angle, m.housing)
-    output = states.engages_at_once(x.output_state, d.output_drag, d.output_engagement_angle, m.output)
-    states.count_switch(x, mode, x.mode, housing, output)
+    if x.mode != mode:
+        x.switches += 1.0
+    if states.is_engagement(housing, x.housing_state, d.housing_drag, d.housing_engagement_angle, m.housing):
+        x.housing_engagements += 1.0
+    if states.is_engagement(output, x.output_state, d.output_drag, d.output_engagement_angle, m.output):
+        x.output_engagements += 1.0
 
 
 def select_mode_after_event(d: Constants, x: State) -> bool:

@@ -113,7 +113,7 @@ def freewheel_power(d: Constants, x: State, m: Machine) -> float:
     return power
 
 
-def write_loss_powers(d: Constants, x: State, m: Machine, rates: Followed, lossy: int) -> None:
+def write_loss_powers(d: Constants, x: State, m: Machine, rates: Followed) -> None:
     """Write the power of each cause of loss into ``rates.lost``, W.
 
     Args:
@@ -121,7 +121,6 @@ def write_loss_powers(d: Constants, x: State, m: Machine, rates: Followed, lossy
         x: State; contact mode and signs are read.
         m: Motion after evaluate.
         rates: Record that is written (fields.FOLLOWED).
-        lossy: LOSSY or IDEAL, a compile-time constant.
     """
     if d.elastic != 0.0:
         omega4 = m.omega3 - m.relative
@@ -130,7 +129,7 @@ def write_loss_powers(d: Constants, x: State, m: Machine, rates: Followed, lossy
         rates.lost[SHAFT] = shaft + d.balancer * d.J4 * m.alpha3 * m.relative
     if d.viscous != 0.0:
         rates.lost[VISCOUS] = friction_power(d, m.omega1, m.omega2, d.b2) + d.b3 * m.omega3 * m.omega3
-    if lossy:
+    if d.losses != 0.0:
         slip = m.omega1 - m.omega2 if x.slip_sign != 0.0 else 0.0
         # |q'| up to the event, and smooth beyond it
         rate = x.slip_sign * d.k * slip

@@ -89,10 +89,14 @@ def solve_links(
 ) -> tuple[float, float, float]:
     """Solve for the accelerations of links 1 and 2 with the signs of all mesh torques fixed.
 
-        [ J1 + I + k B + f k (B_s + k G_s)   -k (B + f k G_s) ] [ alpha1 ]   [ M1 - R1 - f k R ]
-        [ -f k (B_s + k G_s)                  J2 + f k k G_s  ] [ alpha2 ] = [ f k R - R2      ]
+        [ m11  m12 ] [ alpha1 ]   [ force1 ]
+        [ m21  m22 ] [ alpha2 ] = [ force2 ]
+
+        m11 = J1 + I + k B + f k (B_s + k G_s)     m12 = -k (B + f k G_s)     force1 = M1 - R1 - f k R
+        m21 = -f k (B_s + k G_s)                   m22 = J2 + f k k G_s       force2 = f k R - R2
 
     An acceleration that is prescribed, or is 0 because the housing freewheel is locked, removes its row.
+    Otherwise Cramer's rule solves both rows.
 
     Args:
         d: Constants.

@@ -26,48 +26,22 @@ def contact_mode(x: State) -> int:
     return FREE if is_open(x.output_state) else DRIVING
 
 
-def is_housing_engaged(mode: float) -> bool:
-    """Return True if the housing freewheel is engaged in this contact mode."""
-    return mode == HELD or mode == HELD_DRIVING
-
-
-def is_output_engaged(mode: float) -> bool:
-    """Return True if the output freewheel is engaged in this contact mode."""
-    return mode == DRIVING or mode == HELD_DRIVING
-
-
-def count_switch(
-    x: State, mode_before: float, mode: float, is_housing_loaded: bool, is_output_loaded: bool
-) -> None:
-    """Count a change of the contact mode and the freewheels that engage with it.
-
-    Args:
-        x: State; the counters are written.
-        mode_before: Contact mode before.
-        mode: Contact mode now.
-        is_housing_loaded: True if the housing freewheel transmits torque when it locks.
-        is_output_loaded: True if the output freewheel transmits torque when it locks.
-    """
-    x.switches += 1.0 if mode != mode_before else 0.0
-    if is_housing_loaded and is_housing_engaged(mode) and not is_housing_engaged(mode_before):
-        x.housing_engagements += 1.0
-    if is_output_loaded and is_output_engaged(mode) and not is_output_engaged(mode_before):
-        x.output_engagements += 1.0
-
-
-def engages_at_once(state: float, drag: float, engagement_angle: float, torque: float) -> bool:
-    """Return True if a freewheel transmits torque as soon as it changes to ``state``.
+def is_engagement(before: float, state: float, drag: float, engagement_angle: float, torque: float) -> bool:
+    """Return True if an open freewheel transmits torque as soon as it changes to ``state``.
 
     A freewheel with an engagement angle transmits torque only at the end of this angle
     (events.advance.engage). A freewheel that is held by its drag alone transmits no torque.
 
     Args:
-        state: New state of the freewheel.
+        before: State of the freewheel before.
+        state: New state.
         drag: Torque of its drag, N m.
         engagement_angle: rad.
         torque: Torque of the freewheel, N m.
     """
-    return engagement_angle == 0.0 and not (state == LOCKED and drag > 0.0 and torque <= 0.0)
+    if engagement_angle > 0.0 or is_open(state) or not is_open(before):
+        return False
+    return not (state == LOCKED and drag > 0.0 and torque <= 0.0)
 
 
 def has_engaged_spring(x: State) -> bool:

@@ -1,4 +1,4 @@
-"""Error of a step: one weighted root mean square of all that is integrated.
+"""Error of a step: one weighted root mean square of all integrated quantities.
 
 Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.4. Each error is
 divided by the tolerance and by one of six scales: an angle of 1 rad, speeds of link 1, of link 2 and of the
@@ -21,7 +21,7 @@ from ..tableau import (
     DOPRI5_LAST_STAGE,
     FIRST_ERROR_STAGE,
 )
-from .stages import weighed_rate
+from .stages import weighted_rate
 
 OVERFLOW = 1e300
 
@@ -106,9 +106,9 @@ def write_scales(d: Constants, x: State, w: Workspace) -> None:
 
 
 def error_norm(w: Workspace) -> float:
-    """Return the estimated error of the step in hand over the allowed one.
+    """Return the estimated error of the present step over the allowed error.
 
-    Of pair 8(5,3) it is the mix of the errors of orders 5 and 3 by Hairer, Norsett and Wanner, II.10.
+    For the pair 8(5,3) it combines the errors of orders 5 and 3 (Hairer, Norsett and Wanner, II.10).
     """
     sum5 = 0.0
     sum3 = 0.0
@@ -119,14 +119,14 @@ def error_norm(w: Workspace) -> float:
             count += 1.0
             if w.pair == DOP853_ROW:
                 error5 = (
-                    w.step * weighed_rate(w, DOP853_E5_ROW, DOP853_LAST_STAGE, n, FIRST_ERROR_STAGE) / scale
+                    w.step * weighted_rate(w, DOP853_E5_ROW, DOP853_LAST_STAGE, n, FIRST_ERROR_STAGE) / scale
                 )
                 error3 = (
-                    w.step * weighed_rate(w, DOP853_E3_ROW, DOP853_LAST_STAGE, n, FIRST_ERROR_STAGE) / scale
+                    w.step * weighted_rate(w, DOP853_E3_ROW, DOP853_LAST_STAGE, n, FIRST_ERROR_STAGE) / scale
                 )
                 sum5 += error5 * error5
             else:
-                error3 = w.step * weighed_rate(w, DOPRI5_E_ROW, DOPRI5_LAST_STAGE + 1, n, 1) / scale
+                error3 = w.step * weighted_rate(w, DOPRI5_E_ROW, DOPRI5_LAST_STAGE + 1, n, 1) / scale
             sum3 += error3 * error3
     if not sum3 + sum5 < OVERFLOW:
         return OVERFLOW

@@ -15,17 +15,18 @@ from ..tableau import NODES, dense_change, dense_rate, last_stage
 HOUSING = 0
 OUTPUT = 1
 SLIP = 2
-# ... of a freewheel within its play, besides
+# Reversal of a freewheel within its engagement angle
 HOUSING_BACK = 3
 OUTPUT_BACK = 4
 FLOW = 5
 SPIN = 6
-# share of its range in the step that a guard stays above at all stages if it does between them
-CLEAR = 0.25
+CLEAR_FRACTION = (
+    0.25  # Of the range of an indicator in a step: above it at all stages, it has no zero between
+)
 
 
-def how_many_guards(d: Constants) -> int:
-    """How many guards there are: the torques of the meshes 17-6 are the last ones."""
+def n_indicators(d: Constants) -> int:
+    """Return the number of event indicators; the torques of the meshes 17-6 are the last ones."""
     if d.losses == 0.0:
         return SLIP
     if d.satellite_loss == 0.0:
@@ -46,31 +47,26 @@ def is_watched(d: Constants, x: State, which: int) -> bool:
     return (d.housing if which == HOUSING else d.output) != 0.0
 
 
-def state_of(x: State, which: int) -> float:
-    """State of the freewheel that the guard is of."""
+def freewheel_state(x: State, which: int) -> float:
+    """Return the state of the freewheel of an indicator."""
     return x.housing_state if which == HOUSING or which == HOUSING_BACK else x.output_state
 
 
 def is_play(x: State, which: int) -> bool:
     """Return True if the indicator is the rest of the engagement angle of a freewheel."""
-    return which < SLIP and state_of(x, which) == IN_BACKLASH
+    return which < SLIP and freewheel_state(x, which) == IN_BACKLASH
 
 
 def is_speed(x: State, which: int) -> bool:
     """Return True if the indicator is a speed or an angle, whose rate is known; otherwise it is a torque."""
     if which == SLIP:
         return x.slip_sign != 0.0
-    return which < FLOW and is_open(state_of(x, which))
+    return which < FLOW and is_open(freewheel_state(x, which))
 
 
 def is_spring(x: State, which: int) -> bool:
     """Return True if the indicator is the torque of the spring of a freewheel."""
-    return which < SLIP and state_of(x, which) == ENGAGED_COMPLIANT
-
-
-def is_exact(x: State, which: int) -> bool:
-    """Return True if an indicator is a torque that ends a contact mode: it is evaluated by the equations."""
-    return which < FLOW and not is_speed(x, which)
+    return which < SLIP and freewheel_state(x, which) == ENGAGED_COMPLIANT
 
 
 def housing_indicator(d: Constants, x: State, m: Machine) -> tuple[float, float]:
@@ -125,8 +121,8 @@ def value_and_rate(d: Constants, x: State, m: Machine, which: int) -> tuple[floa
     return reversal_indicator(x, m, which)
 
 
-def ends_of(values: Doubles, last: int) -> tuple[float, float]:
-    """The least and the largest of the values up to stage last."""
+def range_of(values: Doubles, last: int) -> tuple[float, float]:
+    """Return the minimum and the maximum of the values up to a stage."""
     low = high = values[0]
     for n in range(1, last + 1):
         low = min(low, values[n])
@@ -143,26 +139,26 @@ def is_clear(x: State, w: Workspace, which: int) -> bool:
     values = w.watched[which].value
     pair = int(w.pair)
     last = last_stage(pair)
-    low, high = ends_of(values, last)
-    if low > CLEAR * (high - low):
+    low, high = range_of(values, last)
+    if low > CLEAR_FRACTION * (high - low):
         return True
     if is_speed(x, which):
-        lowest, highest = ends_of(w.watched[which].rate, last)
+        lowest, highest = range_of(w.watched[which].rate, last)
         if lowest >= 0.0 or (highest <= 0.0 and values[last] > 0.0):
             return True
     start = values[0]
-    least = most = values[last] - start
+    min_growth = max_growth = values[last] - start
     for n in range(1, last + 1):
         growth = (values[n] - start) / NODES[pair + n]
-        least = min(least, growth)
-        most = max(most, growth)
-    return start >= 0.0 and least > CLEAR * (most - least)
+        min_growth = min(min_growth, growth)
+        max_growth = max(max_growth, growth)
+    return start >= 0.0 and min_growth > CLEAR_FRACTION * (max_growth - min_growth)
 
 
 def fitted_guard(x: State, w: Workspace, which: int, sigma: float) -> float:
     """Return an indicator at the fraction sigma of the step by its dense output.
 
-    A value below zero at the beginning is rounding and is left out, except for a spring.
+    A negative value at the beginning is round-off and is subtracted, except for a spring.
     """
     dense, start = w.watched[which].dense, w.watched[which].value[0]
     if is_speed(x, which):

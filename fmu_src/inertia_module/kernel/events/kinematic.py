@@ -1,7 +1,7 @@
 """Fidelity kinematic: omega2 = ratio omega1 is prescribed, and the torques follow by inverse dynamics.
 
 The motion is known at any time. So all integrals over an interval are sums over the nodes of a Gauss rule,
-which stand for the stages of a step. An interval ends where a mesh torque changes its sign.
+which stand for the stages of a step.
 """
 
 import math
@@ -12,16 +12,14 @@ from ..loads import store_beginning
 from ..records import Constants, State, Workspace
 from ..tableau import GAUSS_NODES, GAUSS_WEIGHTS, N_GAUSS_NODES
 from .advance import commit
-from .stages import keep_rates, set_changes
+from .stages import set_changes, store_rates
 
-MAX_GAUSS_PHASE = 1.0  # rad, phase of the highest harmonic in one interval
+# Phase of the highest harmonic in one interval, rad. Losses have kinks where a mesh torque changes its sign.
+# The means are then accurate to about 1e-5.
+MAX_PHASE, MAX_LOSSY_PHASE = 1.0, 0.25
 # Frequency of a ramp over the square root of its acceleration. The error of the rule scales with the tenth
 # derivative, which is 945 for sin(t^2 / 2) at t = 0, about as large as for sin(2 t).
 RAMP_PHASE_FACTOR = 2.0
-N_SIGN_SAMPLES = 4  # Samples of the mesh torques in an interval, to detect a change of sign
-N_BISECTIONS = 30  # Bisections that locate a change of sign
-SIGN_CHANGE_RTOL = 1e-9  # Distance of the samples from the ends of the interval, over its length
-REVERSAL_RTOL = 1e-12  # A reversal of link 1 before this fraction of the interval counts as present
 
 
 def set_prescribed_contacts(x: State, omega1: float, omega2: float) -> None:
@@ -67,100 +65,35 @@ def prescribe_motion(d: Constants, x: State, t: float) -> None:
     evaluate(d, x, x.alpha1, 0.0, False)
 
 
-def loss_signs(d: Constants, x: State, t: float) -> tuple[float, float]:
-    """Return the signs of the mesh torques on which the mesh losses depend.
-
-    Args:
-        d: Constants.
-        x: State at the present time.
-        t: Time from the present, s.
-
-    Returns:
-        Sign of the power in mesh 2-16, signs of the satellite meshes as one number (0 without losses there).
-    """
-    prescribe_motion(d, x, t)
-    x.step_evaluations += 1.0
-    return d.machine.flow_sign, d.machine.spin_signs if d.satellite_loss != 0.0 else 0.0
-
-
-def has_signs(d: Constants, x: State, t: float, flow: float, spin: float) -> bool:
-    """Return True if the mesh torques have the signs flow and spin.
-
-    Args:
-        d: Constants.
-        x: State at the present time.
-        t: Time from the present, s.
-        flow: Sign of the power in mesh 2-16.
-        spin: Signs of the satellite meshes.
-    """
-    flow_at_t, spin_at_t = loss_signs(d, x, t)
-    return flow_at_t == flow and spin_at_t == spin
-
-
-def until_next_kink(d: Constants, x: State, h: float) -> float:
-    """Return the time to a reversal of link 1 or just after a sign change of a mesh torque, at most h, s.
-
-    Args:
-        d: Constants.
-        x: State at the present time.
-        h: Length of the interval, s.
-    """
-    reversal = -x.omega1 / x.alpha1 if x.omega1 * x.alpha1 < 0.0 else h
-    if REVERSAL_RTOL * h < reversal < h:
-        h = reversal
-    if d.mesh_loss == 0.0 and d.satellite_loss == 0.0:
-        return h
-    low = SIGN_CHANGE_RTOL * h
-    flow, spin = loss_signs(d, x, low)
-    for n in range(N_SIGN_SAMPLES):
-        high = h * (n + 1.0 - SIGN_CHANGE_RTOL) / N_SIGN_SAMPLES
-        if not has_signs(d, x, high, flow, spin):
-            for _ in range(N_BISECTIONS):
-                middle = 0.5 * (low + high)
-                if has_signs(d, x, middle, flow, spin):
-                    low = middle
-                else:
-                    high = middle
-            return high
-        low = high
-    return h
-
-
 def advance_kinematic(d: Constants, x: State, w: Workspace, remaining: float) -> float:
-    """Advance by one interval.
+    """Advance by one interval and return its length, s.
 
     Args:
         d: Constants.
         x: State, advanced.
         w: Workspace.
         remaining: Time until the end of the communication step, s.
-
-    Returns:
-        Length of the interval, s, or -1 if the speeds overflow.
     """
     rate = d.k * (1.0 - d.kinematic_ratio)
     h = min(remaining, d.max_step)
     scale = d.harmonic * abs(rate) + (1.0 if d.weight != 0.0 else 0.0)
     frequency = scale * max(abs(x.omega1), abs(x.omega1 + x.alpha1 * remaining))
     frequency += RAMP_PHASE_FACTOR * math.sqrt(scale * abs(x.alpha1))
-    if frequency * h > MAX_GAUSS_PHASE:
-        h = MAX_GAUSS_PHASE / frequency
-        if not h > 0.0:
-            return -1.0
-    if d.losses != 0.0:
-        h = until_next_kink(d, x, h)
+    phase = MAX_LOSSY_PHASE if d.mesh_loss + d.satellite_loss > 0.0 else MAX_PHASE
+    if frequency * h > phase:
+        h = phase / frequency
     w.step = h
     store_beginning(d, x, x.omega1, x.alpha1, rate * x.omega1, rate * x.alpha1)
     work_out = 0.0
     for n in range(N_GAUSS_NODES):
         prescribe_motion(d, x, GAUSS_NODES[n] * h)
         x.flow_sign = d.machine.flow_sign
-        keep_rates(d, x, w, n)
+        store_rates(d, x, w, n)
         w.weights[n] = GAUSS_WEIGHTS[n]
         x.torque_peak = max(x.torque_peak, abs(d.machine.output))
         work_out += GAUSS_WEIGHTS[n] * h * d.machine.output * d.machine.omega2
     x.step_evaluations += N_GAUSS_NODES
-    set_changes(d, x, w, h, 1, N_GAUSS_NODES)
+    set_changes(d, x, w, w.change, h, 1, N_GAUSS_NODES)
     # Angles by their ratio, without the round-off of sums
     w.change.q = rate * w.change.theta1
     w.change.turned3 = d.kinematic_ratio * w.change.theta1

@@ -1,4 +1,4 @@
-"""Event location: where in the present step an event indicator first falls through zero.
+"""Event location: the part of the present step at which an event indicator first falls through zero.
 
 The dense output is sampled. The first interval in which the indicator falls is narrowed by the Illinois
 method (M. Dowell and P. Jarratt, A modified regula falsi method, BIT 11, 1971, 168). A torque that ends a
@@ -15,13 +15,10 @@ from .error import fastest_link
 from .guards import fitted_guard
 from .stages import evaluate_stages, exact_guard
 
-# points of the dense output at which an indicator is sampled
-SAMPLES = 16
+SAMPLES = 16  # Points of the dense output at which an indicator is sampled
 MAX_ITERATIONS = 100
-# share of speeds, torques and engagement angles below which an indicator is zero
-VELOCITY_ROUNDING = 1e-13
-TORQUE_ROUNDING = 1e-13
-PLAY_ROUNDING = 1e-12
+# Fraction of speeds and torques, and of the engagement angle, below which an indicator is zero
+INDICATOR_RTOL, PLAY_RTOL = 1e-13, 1e-12
 
 
 def illinois(
@@ -111,7 +108,7 @@ def fall_between(
         value_high: dense output there.
     """
     sigma = illinois(d, x, w, which, zero, low, value_low, high, value_high, False)
-    if not guards.is_exact(x, which):
+    if which >= guards.FLOW or guards.is_speed(x, which):
         return sigma
     value = exact_guard(d, x, w, which, sigma)
     if value < -zero:
@@ -152,18 +149,18 @@ def guard_tolerance(d: Constants, x: State, w: Workspace, which: int) -> float:
     """Return the threshold below which an indicator counts as zero."""
     links = fastest_link(x, w.change)
     if guards.is_play(x, which):
-        return PLAY_ROUNDING * (
+        return PLAY_RTOL * (
             d.housing_engagement_angle if which == guards.HOUSING else d.output_engagement_angle
         )
     if guards.is_speed(x, which):
         fastest_output = max(abs(x.omega2), max(abs(x.omega2 + w.change.omega2), abs(x.omega3)))
         imparted = response(d, d.J2) * links if d.F_by_alpha1 > 0.0 else 0.0
-        return VELOCITY_ROUNDING * max(imparted, fastest_output)
-    # (the load acts on a freewheel only through the shaft)
+        return INDICATOR_RTOL * max(imparted, fastest_output)
+    # The load acts on a freewheel only through an elastic shaft
     torques = torque_magnitude(d, d.machine, w.prescribed, w.load if d.elastic == 0.0 else 0.0)
-    zero = TORQUE_ROUNDING * torques
+    zero = INDICATOR_RTOL * torques
     if guards.is_spring(x, which):
-        # a wound spring is known to the tolerance
+        # The deflection of a spring is accurate to the tolerance
         zero = max(zero, w.tolerance * min(torques, min(d.J2, d.J3) * links / w.step))
     return zero
 
@@ -181,7 +178,7 @@ def first_event(d: Constants, x: State, w: Workspace) -> tuple[float, int]:
     """
     earliest, which = -1.0, NO_EVENT
     has_dense_output = False
-    for guard in range(guards.how_many_guards(d) if w.pair == DOP853_ROW else 0):
+    for guard in range(guards.n_indicators(d) if w.pair == DOP853_ROW else 0):
         if not guards.is_watched(d, x, guard) or guards.is_clear(x, w, guard):
             continue
         if not has_dense_output:

@@ -1,4 +1,4 @@
-"""A step of an embedded pair over all that the equations of motion follow: speeds, angles, sums.
+"""Stages of a step of an embedded pair, and the changes of speeds, angles and sums over it.
 
 w.rates[n] holds the rates at stage n (fields.FOLLOWED), w.change their integrals over the step.
 """
@@ -20,16 +20,13 @@ from ..tableau import (
     last_stage,
     write_dense_weights,
 )
-from .guards import FLOW, SLIP, how_many_guards, is_spring, value_and_rate
+from .guards import SLIP, is_spring, n_indicators, value_and_rate
 
-# places in fields.FOLLOWED
+# Positions in fields.FOLLOWED
 Q, OMEGA1, OMEGA2, OMEGA3 = 0, 1, 2, 3
 THETA1, LOST = 8, 11
 TWIST = LOST + CAUSES
-# how many quantities move with a rigid output: they come first
-RIGID_OUTPUT = 4
-# how many of them an ideal module of rigid output has
-FEWEST = 12
+N_IDEAL = 12  # Quantities of an ideal module with a rigid output, which come first
 
 
 def solve_motion(d: Constants, x: State, w: Workspace) -> None:
@@ -38,27 +35,19 @@ def solve_motion(d: Constants, x: State, w: Workspace) -> None:
     x.step_evaluations += 1.0
 
 
-def keep_rates(d: Constants, x: State, w: Workspace, n: int) -> None:
+def store_rates(d: Constants, x: State, w: Workspace, n: int) -> None:
     """Store the rates of the integrated quantities at stage n, from d.machine after motion.evaluate."""
-    if d.losses != 0.0:
-        rates_of(d, x, w, n, LOSSY)
-    else:
-        rates_of(d, x, w, n, IDEAL)
-
-
-def rates_of(d: Constants, x: State, w: Workspace, n: int, lossy: int) -> None:
-    """Rates at stage n for keep_rates, with or without losses by load, drag, weights or wind-up."""
     m = d.machine
     rates = w.rates[n]
     slip = m.omega1 - m.omega2
-    if lossy and x.slip_sign == 0.0:
+    if x.slip_sign == 0.0:
         slip = 0.0
     rates.q = d.k * slip
     rates.omega1 = m.alpha1
     rates.omega2 = m.alpha2
     rates.omega3 = m.alpha3
     rates.theta1 = m.omega1
-    # (in maps of fidelity averaged, where the output turns evenly, the energy takes its place)
+    # In maps of fidelity averaged, whose output has a constant speed, the energy takes its place
     rates.turned3 = m.omega3
     if d.averaged != 0.0:
         rates.turned3 = energy_of_links(d, m.i, m.b, m.g, m.omega1, m.omega2)
@@ -71,17 +60,15 @@ def rates_of(d: Constants, x: State, w: Workspace, n: int, lossy: int) -> None:
     rates.housing = m.housing
     rates.output = m.output
     rates.square = m.output * m.output
-    write_loss_powers(d, x, m, rates, lossy)
-    if lossy:
+    write_loss_powers(d, x, m, rates)
+    if d.losses != 0.0:
         turns = x.housing_state == ENGAGED_COMPLIANT or d.housing_engagement_angle > 0.0
         rates.wound_housing = -m.omega2 if turns else 0.0
         turns = x.output_state == ENGAGED_COMPLIANT or d.output_engagement_angle > 0.0
         rates.wound_output = m.omega2 - m.omega3 if turns else 0.0
-    # (of a number known to the compiler it makes one after the other, without questions)
-    for which in range(FLOW if lossy else SLIP):
-        if which <= SLIP or d.plays != 0.0:
-            w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
-    for which in range(FLOW, how_many_guards(d) if lossy else FLOW):
+    for which in range(SLIP):
+        w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
+    for which in range(SLIP, n_indicators(d)):
         w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
 
 
@@ -93,7 +80,7 @@ def turn_freewheels(x: State, m: Machine, housing: float, output: float) -> None
     m.play_output = x.play_output - output
 
 
-def weighed_rate(w: Workspace, row: int, count: int, which: int, after: int) -> float:
+def weighted_rate(w: Workspace, row: int, count: int, which: int, after: int) -> float:
     """Return the weighted sum of the rates of a quantity.
 
     Args:
@@ -109,7 +96,7 @@ def weighed_rate(w: Workspace, row: int, count: int, which: int, after: int) -> 
     return total
 
 
-def weighed_four(
+def four_weighted_sums(
     stages: Records[Followed],
     weights: Doubles | tuple[float, ...],
     begin: int,
@@ -117,7 +104,16 @@ def weighed_four(
     count: int,
     first: int,
 ) -> tuple[float, float, float, float]:
-    """Weighed sums of four quantities at stage 0 and others (w.rates ...), weights from place begin on."""
+    """Return weighted sums of the rates of four quantities.
+
+    Args:
+        stages: Rates at the stages (w.rates).
+        weights: Weights of the stages.
+        begin: Position of the weight of stage 0.
+        after: First stage after stage 0 with a weight, or an earlier one.
+        count: Number of stages.
+        first: Number of the first quantity in fields.FOLLOWED.
+    """
     weight, numbers = weights[begin], stages[0].numbers
     a, b = weight * numbers[first], weight * numbers[first + 1]
     c, d = weight * numbers[first + 2], weight * numbers[first + 3]
@@ -131,45 +127,33 @@ def weighed_four(
     return a, b, c, d
 
 
-def weigh(
+def write_weighted_sums(
     stages: Records[Followed],
     weights: Doubles,
-    begin: int,
     after: int,
     count: int,
     factor: float,
     sums: Doubles,
-    first: int,
     end: int,
 ) -> None:
-    """Write such sums of all, four or more, from the first to before the end, times a factor, into sums."""
-    for begins in range(first, end, 4):
+    """Write weighted sums of the rates of all quantities before the last one, four at a time.
+
+    Args:
+        stages: Rates at the stages (w.rates).
+        weights: Weights of the stages.
+        after: First stage after stage 0 with a weight, or an earlier one.
+        count: Number of stages.
+        factor: Factor of all sums.
+        sums: Sums, written.
+        end: Number of quantities, at least 4.
+    """
+    for begins in range(0, end, 4):
         which = min(begins, end - 4)
-        one, two, three, four = weighed_four(stages, weights, begin, after, count, which)
+        one, two, three, four = four_weighted_sums(stages, weights, 0, after, count, which)
         sums[which] = factor * one
         sums[which + 1] = factor * two
         sums[which + 2] = factor * three
         sums[which + 3] = factor * four
-
-
-def weigh_motion(
-    d: Constants,
-    stages: Records[Followed],
-    weights: Doubles,
-    begin: int,
-    after: int,
-    count: int,
-    factor: float,
-    sums: Doubles,
-) -> None:
-    """Write weighted sums of the moving quantities (see weigh)."""
-    weigh(stages, weights, begin, after, count, factor, sums, 0, RIGID_OUTPUT)
-    if d.elastic + d.losses != 0.0:
-        weigh(stages, weights, begin, after, count, factor, sums, TWIST, len(sums))
-    if d.weight != 0.0:
-        sums[THETA1] = 0.0
-        for n in range(count):
-            sums[THETA1] += factor * weights[begin + n] * stages[n].theta1
 
 
 def evaluate_stages(d: Constants, x: State, w: Workspace, first: int, last: int) -> None:
@@ -187,7 +171,7 @@ def evaluate_stages(d: Constants, x: State, w: Workspace, first: int, last: int)
     pair = int(w.pair)
     for n in range(first, last + 1):
         row = pair + n
-        q, omega1, omega2, omega3 = weighed_four(
+        q, omega1, omega2, omega3 = four_weighted_sums(
             w.rates, WEIGHTS, N_STAGES * row, FIRST_NONZERO_STAGE[row], n, Q
         )
         m.q = x.q + h * q
@@ -196,50 +180,52 @@ def evaluate_stages(d: Constants, x: State, w: Workspace, first: int, last: int)
         m.omega3 = m.omega2 if x.output_state == LOCKED else x.omega3 + h * omega3
         if d.weight != 0.0:
             mean = NODES[row] * (x.omega1 + 0.5 * NODES[row] * h * w.prescribed)
-            m.theta1 = x.theta1 + h * (mean if d.by_torque == 0.0 else weighed_rate(w, row, n, THETA1, 1))
+            m.theta1 = x.theta1 + h * (mean if d.by_torque == 0.0 else weighted_rate(w, row, n, THETA1, 1))
         if d.elastic + d.turning != 0.0:
-            twist, relative, housing, output = weighed_four(
+            twist, relative, housing, output = four_weighted_sums(
                 w.rates, WEIGHTS, N_STAGES * row, FIRST_NONZERO_STAGE[row], n, TWIST
             )
             m.twist = x.twist + h * twist
             m.relative = x.relative + h * relative
             if d.turning != 0.0:
                 turn_freewheels(x, m, h * housing, h * output)
-        # As evaluate and keep_rates, but inlined
+        # As evaluate, but inlined
         if d.losses != 0.0:
             equations_of_motion(d, x, w.prescribed, w.load, True, LOSSY)
-            rates_of(d, x, w, n, LOSSY)
         else:
             equations_of_motion(d, x, w.prescribed, w.load, True, IDEAL)
-            rates_of(d, x, w, n, IDEAL)
         x.step_evaluations += 1.0
+        store_rates(d, x, w, n)
 
 
-def set_changes(d: Constants, x: State, w: Workspace, h: float, after: int, count: int) -> None:
-    """Write the changes of the integrated quantities over the time h, with the weights in w.weights."""
-    changes = w.change.numbers
-    followed = FEWEST if d.elastic + d.losses == 0.0 else len(changes)
-    weigh(w.rates, w.weights, 0, after, count, w.step, changes, 0, followed)
-    prescribe_link1(d, x, w, w.change, h)
+def set_changes(
+    d: Constants, x: State, w: Workspace, changes: Followed, h: float, after: int, count: int
+) -> None:
+    """Write the changes of the integrated quantities over a time, with the weights in w.weights.
 
-
-def prescribe_link1(d: Constants, x: State, w: Workspace, changes: Followed, h: float) -> None:
-    """Change of link 1 over the time h, where its speed is given."""
+    Args:
+        d: Constants.
+        x: State at the beginning of the step.
+        w: Workspace with the step, its stages and their weights.
+        changes: Record that is written.
+        h: Time, s; the change of a prescribed speed of link 1 follows from it.
+        after: First stage after stage 0 with a weight, or an earlier one.
+        count: Number of stages with weights.
+    """
+    numbers = N_IDEAL if d.elastic + d.losses == 0.0 else len(changes.numbers)
+    write_weighted_sums(w.rates, w.weights, after, count, w.step, changes.numbers, numbers)
     if d.by_torque == 0.0:
         changes.omega1 = h * w.prescribed
         changes.theta1 = h * (x.omega1 + 0.5 * h * w.prescribed)
 
 
-def make_step(d: Constants, x: State, w: Workspace, pair: int, h: float) -> None:
-    """Evaluate all stages of the step h by a pair (tableau.DOP853_ROW or DOPRI5_ROW), and the changes."""
-    w.step = h
-    w.pair = pair
-    last = last_stage(pair)
-    evaluate_stages(d, x, w, 1, last)
-    row = pair + last
+def set_step_changes(d: Constants, x: State, w: Workspace) -> None:
+    """Write the changes of the integrated quantities over the whole step, from its stages."""
+    last = last_stage(int(w.pair))
+    row = int(w.pair) + last
     for n in range(last):
         w.weights[n] = WEIGHTS[N_STAGES * row + n]
-    set_changes(d, x, w, h, FIRST_NONZERO_STAGE[row], last)
+    set_changes(d, x, w, w.change, w.step, FIRST_NONZERO_STAGE[row], last)
 
 
 def solve_changed(d: Constants, x: State, w: Workspace, changes: Followed) -> None:
@@ -265,21 +251,23 @@ def solve_changed(d: Constants, x: State, w: Workspace, changes: Followed) -> No
     solve_motion(d, x, w)
 
 
-def set_changes_inside(d: Constants, x: State, w: Workspace, sigma: float) -> None:
-    """Write the changes of the motion over the fraction sigma of the step to w.inside (dense output)."""
+def set_changes_inside(d: Constants, x: State, w: Workspace, sigma: float, changes: Followed) -> None:
+    """Write the changes over the fraction sigma of the step of the pair 8(5,3) by its dense output."""
     write_dense_weights(sigma, w.weights)
-    weigh_motion(d, w.rates, w.weights, 0, FIRST_ERROR_STAGE, N_STAGES, w.step, w.inside.numbers)
-    prescribe_link1(d, x, w, w.inside, sigma * w.step)
+    set_changes(d, x, w, changes, sigma * w.step, FIRST_ERROR_STAGE, N_STAGES)
 
 
 def exact_guard(d: Constants, x: State, w: Workspace, which: int, sigma: float) -> float:
-    """Return an event indicator at the part sigma of the step by the equations, less its first error."""
+    """Return an event indicator at the fraction sigma of the step by the equations of motion.
+
+    A negative value at the beginning is round-off and is subtracted, except for a spring.
+    """
     values = w.watched[which].value
     value = values[0]
     if sigma == 1.0:
         value = values[DOP853_LAST_STAGE]
     elif sigma > 0.0:
-        set_changes_inside(d, x, w, sigma)
+        set_changes_inside(d, x, w, sigma, w.inside)
         solve_changed(d, x, w, w.inside)
         value, _ = value_and_rate(d, x, d.machine, which)
     return value - (0.0 if is_spring(x, which) else min(values[0], 0.0))
@@ -287,16 +275,15 @@ def exact_guard(d: Constants, x: State, w: Workspace, which: int, sigma: float) 
 
 def cut_step(d: Constants, x: State, w: Workspace, sigma: float) -> None:
     """Cut the present step to its fraction sigma by its dense output; d.machine then holds its end."""
-    write_dense_weights(sigma, w.weights)
-    set_changes(d, x, w, sigma * w.step, FIRST_ERROR_STAGE, N_STAGES)
+    set_changes_inside(d, x, w, sigma, w.change)
     w.step *= sigma
     solve_changed(d, x, w, w.change)
 
 
-def keep_end(d: Constants, x: State, w: Workspace) -> None:
+def reuse_end(d: Constants, x: State, w: Workspace) -> None:
     """Store the rates at the end of the step as those of stage 0 of the next."""
     end = last_stage(int(w.pair))
     copy(w.rates[0].numbers, w.rates[end].numbers)
-    for which in range(how_many_guards(d)):
+    for which in range(n_indicators(d)):
         w.watched[which].value[0] = w.watched[which].value[end]
         w.watched[which].rate[0] = w.watched[which].rate[end]

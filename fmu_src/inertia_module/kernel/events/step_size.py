@@ -3,26 +3,18 @@
 import math
 
 from ..records import Constants, State, Workspace
-from ..tableau import DOP853_ROW, DOPRI5_ROW
+from ..tableau import DOP853_LAST_STAGE, DOP853_ROW, DOPRI5_LAST_STAGE, DOPRI5_ROW
 from .error import error_norm, write_scales
-from .guards import how_many_guards, is_clear, is_watched
-from .stages import make_step
+from .guards import is_clear, is_watched, n_indicators
+from .stages import evaluate_stages, set_step_changes
 
 # Maximum phase of the highest harmonic in a step, rad
 STEP_PHASE = 2.0  # Of the pair 8(5,3); a longer step could pass over a pulse
 QUIET_PHASE = 2.0  # Of the pair 5(4), whose few stages exclude events
-FIRST_PHASE = 1.0  # Of the first step in a new contact mode
 SAFETY, SHORT_SAFETY = 0.8, 0.9  # Safety factors of the pairs 8(5,3) and 5(4)
 MIN_FACTOR, MAX_FACTOR = 0.2, 5.0  # Between successive step sizes
 SHORT_GROWTH = 1.05  # Of the size of the pair 5(4) in each step of the pair 8(5,3)
 MAX_REJECTIONS = 100  # Of a step, before it is given up
-
-
-def advance_of_phase(d: Constants, x: State, w: Workspace) -> float:
-    """Return the advance of the highest harmonic in the present step, rad."""
-    slip = abs(x.omega1 - x.omega2)
-    end = abs(x.omega1 + w.change.omega1 - x.omega2 - w.change.omega2)
-    return w.step * d.harmonic * d.k * max(slip, end)
 
 
 def longest_step(d: Constants, x: State, remaining: float) -> float:
@@ -39,33 +31,20 @@ def longest_step(d: Constants, x: State, remaining: float) -> float:
     return step
 
 
-def limit_size_after_switch(d: Constants, x: State) -> None:
-    """Limit the size of the first step in a new contact mode: an error in it may be estimated far too low."""
-    slip = d.harmonic * d.k * abs(x.omega1 - x.omega2)
-    if x.step_size * slip > FIRST_PHASE:
-        x.step_size = FIRST_PHASE / slip
-
-
-def first_size(size: float, limit: float) -> float:
-    """Return the size to try first, s: the size of the state if there is one, at most the limit."""
-    return min(limit, size) if size > 0.0 else 0.1 * limit
-
-
-def next_factor(error: float, order: float, safety: float, smallest: float) -> float:
+def next_factor(error: float, order: float, safety: float) -> float:
     """Return the factor from the present step size to the next one for this error over the allowed one."""
     if not error < 1e300:
         return MIN_FACTOR
     if error == 0.0:
         return MAX_FACTOR
-    return min(MAX_FACTOR, max(smallest, safety * math.pow(error, -1.0 / order)))
+    return min(MAX_FACTOR, max(MIN_FACTOR, safety * math.pow(error, -1.0 / order)))
 
 
-def carried(size: float, h: float, factor: float) -> float:
-    """Return the step size to keep after an accepted step h that was tried with this size, s.
-
-    A step that the end of the communication step has shortened does not reduce it.
-    """
-    return max(factor * h, size) if h < size else factor * h
+def step_error(d: Constants, x: State, w: Workspace) -> float:
+    """Write the changes over the step from its stages and return its error norm."""
+    set_step_changes(d, x, w)
+    write_scales(d, x, w)
+    return error_norm(w)
 
 
 def try_short_step(d: Constants, x: State, w: Workspace, remaining: float) -> bool:
@@ -74,14 +53,16 @@ def try_short_step(d: Constants, x: State, w: Workspace, remaining: float) -> bo
     Returns:
         Whether the step is accepted: the error is allowed and no event indicator comes near zero.
     """
-    make_step(d, x, w, DOPRI5_ROW, remaining)
-    write_scales(d, x, w)
-    error = error_norm(w)
-    size = next_factor(error, 5.0, SHORT_SAFETY, MIN_FACTOR) * remaining
+    w.pair, w.step = DOPRI5_ROW, remaining
+    evaluate_stages(d, x, w, 1, DOPRI5_LAST_STAGE)
+    error = step_error(d, x, w)
+    size = next_factor(error, 5.0, SHORT_SAFETY) * remaining
     x.short_size = max(size, x.short_size) if size > remaining else size
-    if not error <= 1.0 or advance_of_phase(d, x, w) > QUIET_PHASE:
+    slip, change = x.omega1 - x.omega2, w.change.omega1 - w.change.omega2
+    phase = remaining * d.harmonic * d.k * max(abs(slip), abs(slip + change))
+    if error > 1.0 or phase > QUIET_PHASE:
         return False
-    for guard in range(how_many_guards(d)):
+    for guard in range(n_indicators(d)):
         if is_watched(d, x, guard) and not is_clear(x, w, guard):
             return False
     return True
@@ -104,14 +85,16 @@ def make_accepted_step(d: Constants, x: State, w: Workspace, remaining: float, l
     if is_short and try_short_step(d, x, w, remaining):
         return True
     x.short_size *= SHORT_GROWTH
-    h = first_size(x.step_size, limit)
+    h = min(limit, x.step_size) if x.step_size > 0.0 else 0.1 * limit
     for attempt in range(MAX_REJECTIONS):
-        make_step(d, x, w, DOP853_ROW, h)
-        write_scales(d, x, w)
-        error = error_norm(w)
-        factor = next_factor(error, 8.0, SAFETY, MIN_FACTOR)
+        w.pair, w.step = DOP853_ROW, h
+        evaluate_stages(d, x, w, 1, DOP853_LAST_STAGE)
+        error = step_error(d, x, w)
+        size = h * next_factor(error, 8.0, SAFETY)
         if error <= 1.0:
-            x.step_size = carried(x.step_size if attempt == 0 else h, h, factor)
+            # A step that the end of the communication step has shortened does not reduce the size
+            is_cut = attempt == 0 and h < x.step_size
+            x.step_size = max(size, x.step_size) if is_cut else size
             return True
-        h *= factor
+        h = size
     return False
