@@ -237,7 +237,7 @@ def test_verdict_contains_caveats_and_the_end_of_the_search(read, tmp_path):
     spec, good, short = read(SPEC), row(22.0, 40.0, 1.0), row(15.0, 60.0, 1.0)
 
     def verdict(checked, front, cut, doubts):
-        finalists = [Finalist(good, one, spec, tmp_path, doubts) for one in checked]
+        finalists = [Finalist(good, one, spec, tmp_path / "1.toml", doubts) for one in checked]
         judge = Judge(spec, UNITS)
         return DesignResult(judge, [good, short], front, finalists, 2, {}, Searched([good, short], [], cut))
 
