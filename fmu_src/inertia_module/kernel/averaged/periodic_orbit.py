@@ -237,7 +237,7 @@ def input_angle(x: State) -> float:
 
 
 def correction_factor(corrections: int, change: float, reduction: float) -> float:
-    """Return the factor of a correction of the input torque: 1, or by the secant method after many corrections.
+    """Return the factor of a correction of the input torque: 1, by the secant method after many corrections.
 
     Args:
         corrections: number of corrections before
