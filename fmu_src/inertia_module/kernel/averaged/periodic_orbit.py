@@ -29,6 +29,8 @@ MAX_PERIODS = 30
 OMEGA2_ATOL = 1e-5
 # likewise the energy gained over the kinetic energy, and the error of the mean input speed over the speed
 ENERGY_RTOL = 1e-4
+# corrections of the input torque after which they are extrapolated (secant method); largest factor of one
+SLOW_CORRECTIONS, MAX_GAIN = 12, 10.0
 # internal steps of a period, right-hand-side evaluations of a map
 MAX_STEPS = 200000
 MAX_EVALUATIONS = 6e7
@@ -234,6 +236,19 @@ def input_angle(x: State) -> float:
     return x.theta1 - x.begin_theta1 + TWO_PI * (x.input_turns - x.begin_input_turns)
 
 
+def correction_factor(corrections: int, change: float, reduction: float) -> float:
+    """Return the factor of a correction of the input torque: 1, by the secant method after many corrections.
+
+    Args:
+        corrections: number of corrections before
+        change: last change of the torque, N m
+        reduction: decrease of the missing torque by this change, N m
+    """
+    if corrections < SLOW_CORRECTIONS or reduction == 0.0:
+        return 1.0
+    return min(max(change / reduction, 1.0), MAX_GAIN)
+
+
 def find_orbit(d: Constants, x: State, w: Workspace, omega1: float, ratio: float, length: float) -> float:
     """Find the periodic orbit at a mean input speed and a ratio; the state ends with the sums of a period.
 
@@ -256,6 +271,8 @@ def find_orbit(d: Constants, x: State, w: Workspace, omega1: float, ratio: float
     low, high = 0.0, speed
     gain = loss = 0.0
     begin, begin1 = 0.0, omega1
+    corrections = 0
+    last_torque = last_missing = 0.0
     guesses = 0
     x.play_housing = 0.0
     x.play_output = d.output_engagement_angle
@@ -265,17 +282,30 @@ def find_orbit(d: Constants, x: State, w: Workspace, omega1: float, ratio: float
         begin_energy = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0)
         time = follow_period(d, x, w, length)
         d.map_evaluations += x.step_evaluations
-        if time < 0.0 or d.map_evaluations > MAX_EVALUATIONS:
+        if d.map_evaluations > MAX_EVALUATIONS:
             return -1.0
+        turned = input_angle(x)
+        gained = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0) - begin_energy
+        if time < 0.0:
+            # losses nearly stop link 1 within the period: the torque is too small
+            if d.by_torque == 0.0 or w.orbit_torque != 0.0 or turned * omega1 <= 0.0:
+                return -1.0
+            w.orbit_torque -= gained / turned
+            continue
         end = min(x.omega2, speed)
         change = end - begin
         if d.by_torque != 0.0:
-            turned = input_angle(x)
-            gained = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0) - begin_energy
             scale = omega1 * time / turned
             settled = abs(gained) <= ENERGY_RTOL * w.orbit_energy and abs(scale - 1.0) <= ENERGY_RTOL
             if not settled:
-                w.orbit_torque = (w.orbit_torque - gained / turned) * scale * scale
+                # torque and energy scale with the square of the speed; losses that grow with the torque
+                # reduce the effect of a correction
+                missing = -gained / turned * scale * scale
+                torque = w.orbit_torque * scale * scale
+                factor = correction_factor(corrections, torque - last_torque, last_missing - missing)
+                corrections += 1
+                last_torque, last_missing = torque, missing
+                w.orbit_torque = torque + missing * factor
                 begin1 *= scale
                 begin = end
                 continue
