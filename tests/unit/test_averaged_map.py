@@ -120,9 +120,9 @@ def test_equal_instances_share_a_map(compiled, monkeypatch):
 
 
 def test_sizes_of_the_map_agree_with_the_grid():
-    assert len(torque_map.RATIOS) == fields.RATIOS
-    assert torque_map.SLOWNESSES == fields.SLOWNESSES
-    assert len(torque_map.LOSSES) == fields.LOSSES
+    assert len(torque_map.RATIOS) == fields.N_RATIOS
+    assert torque_map.SLOWNESSES == fields.N_SLOWNESSES
+    assert len(torque_map.LOSSES) == fields.N_LOSSES
     column = started("plain").derived.forward.columns[0]
     for n in range(len(column.numbers)):
         column.numbers[n] = n

@@ -74,7 +74,7 @@ def evaluated(values, mode, chance):
     x.slip_sign = 1.0 if m.omega1 >= m.omega2 else -1.0
     x.load_torque = chance.uniform(-5.0, 5.0)
     evaluate(d, x, chance.uniform(-5.0, 5.0), x.load_torque, False)
-    x.flow_sign, x.spin_signs = m.flow_sign, m.spin_signs
+    x.flow_sign, x.tau6_signs = m.flow_sign, m.tau6_signs
     return module
 
 
@@ -124,10 +124,10 @@ def test_mesh_signs_agree_with_the_torques(chance, satellites, drive):
     for _ in range(20):
         module = evaluated({**LAYOUTS["bevel, askew"], **losses, **drive}, FREE, chance)
         d, x, m = module.derived, module.state, module.derived.machine
-        assert m.flow_sign * m.torque >= 0.0
-        terms = list(m.spun_by[:satellites])
+        assert m.flow_sign * m.flow_torque >= 0.0
+        terms = list(m.mesh_friction_by[:satellites])
         assert all(term >= 0.0 for term in terms) or satellites == 1
-        assert sum(terms) == pytest.approx(m.spun, rel=1e-12)
+        assert sum(terms) == pytest.approx(m.mesh_friction, rel=1e-12)
         # With these fixed signs the solution is the same.
         alpha1, alpha2, prescribed = m.alpha1, m.alpha2, m.drive if d.by_torque else m.alpha1
         evaluate(d, x, prescribed, x.load_torque, True)

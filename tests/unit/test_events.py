@@ -18,7 +18,7 @@ def step_of(rate, start, which=guards.HOUSING):
     module = started("plain", SCENES["bevel"], omega2_start=5.0, omega_out_start=10.0)
     w = record_type(WORKSPACE)()
     w.step, w.pair = H, tableau.DOP853_ROW
-    indicator = w.watched[which]
+    indicator = w.indicators[which]
     nodes = tableau.NODES[: tableau.N_STAGES]
     for n, node in enumerate(nodes):
         indicator.rate[n] = rate(H * node)

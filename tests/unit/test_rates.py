@@ -75,7 +75,7 @@ def test_guards_in_an_explicit_step(values, chance, mode):
     make_step(d, x, w, DOP853_ROW, step)
     evaluate_stages(d, x, w, DOP853_LAST_STAGE + 1, N_STAGES - 1)
     for which in range(2):
-        fit_dense_output(w.step, w.watched[which].rate, w.watched[which].dense)
+        fit_dense_output(w.step, w.indicators[which].rate, w.indicators[which].dense)
         for sigma in (0.2, 0.5, 0.8):
             value = exact_guard(d, x, w, which, sigma)
             assert fitted_guard(x, w, which, sigma) == pytest.approx(value, rel=1e-6, abs=1e-9)

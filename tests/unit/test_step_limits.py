@@ -92,7 +92,7 @@ def test_constants_of_a_state_are_evaluated_again(compiled, number):
 
 
 @pytest.mark.parametrize("number", NUMBERS)
-@pytest.mark.parametrize("field", ["spin_signs", "mode"])
+@pytest.mark.parametrize("field", ["tau6_signs", "mode"])
 def test_state_with_a_fractional_counter_is_rejected(compiled, field, number):
     module = advanced(started(compiled, omega1=100.0, mesh_efficiency=0.98), 1e-3)
     setattr(module.state, field, number)

@@ -117,7 +117,7 @@ def test_step_with_an_energy_gain_is_repeated():
 def test_energy_check_measures_the_gain_in_tolerances():
     d, x, w = single_step(tableau.DOP853_ROW, 1e-4)
     advance.copy_accelerations(x.now, d.machine)
-    advance.end_step(d, x, w, 1.0, False)
+    advance.finish_changes(d, x, w, 1.0, False)
     assert energy.energy_made(d, x, w) < 0.1
     made = 20.0 * energy.MAX_ENERGY_MADE * w.tolerance * w.energy
     w.change.omega2 += made / (d.J2 * x.omega2)

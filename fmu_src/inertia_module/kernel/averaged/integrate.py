@@ -18,12 +18,12 @@ from .mean_motion import (
     COASTING,
     LOCKED,
     SLIPPING,
-    beyond_regime,
-    end_step,
     energy_of_mechanism,
+    regime_indicator,
     set_regime,
     side_now,
     speed_ratio,
+    update_end,
     write_mean_rates,
 )
 
@@ -129,9 +129,11 @@ def step_error(x: State, w: Workspace, tolerance: float) -> float:
     return 0.5 * w.mean_length * max(abs(error1), abs(error3)) / (tolerance * fastest + 1e-300)
 
 
-def beyond_step(d: Constants, side: Side, x: State, w: Workspace, regime: int) -> float:
+def end_indicator(d: Constants, side: Side, x: State, w: Workspace, regime: int) -> float:
     """Return the event indicator of the regime at the end of the step in hand."""
-    return beyond_regime(d, side, x, regime, x.omega1 + w.mean_change.omega1, x.omega3 + w.mean_change.omega3)
+    return regime_indicator(
+        d, side, x, regime, x.omega1 + w.mean_change.omega1, x.omega3 + w.mean_change.omega3
+    )
 
 
 def end_at_event(d: Constants, side: Side, x: State, w: Workspace, regime: int, beyond: float) -> None:
@@ -146,7 +148,7 @@ def end_at_event(d: Constants, side: Side, x: State, w: Workspace, regime: int, 
         beyond: event indicator at the end of the step, positive
     """
     low, high = 0.0, w.mean_length
-    g_low, g_high = beyond_regime(d, side, x, regime, x.omega1, x.omega3), beyond
+    g_low, g_high = regime_indicator(d, side, x, regime, x.omega1, x.omega3), beyond
     if g_low >= 0.0:
         g_low = -beyond  # it begins at an end
     last = 0
@@ -158,7 +160,7 @@ def end_at_event(d: Constants, side: Side, x: State, w: Workspace, regime: int, 
         if not low < middle < high:
             middle = 0.5 * (low + high)
         make_step(d, side, x, w, regime, middle)
-        g = beyond_step(d, side, x, w, regime)
+        g = end_indicator(d, side, x, w, regime)
         if g > 0.0:
             high, g_high = middle, g
             g_low *= 0.5 if last > 0 else 1.0
@@ -207,7 +209,7 @@ def advance_regime(
         factor = min(max(factor, MIN_FACTOR), MAX_FACTOR)
         if error <= 1.0:
             x.mean_step = max(x.mean_step, factor * h) if h == limit else factor * h
-            beyond = beyond_step(d, side, x, w, regime)
+            beyond = end_indicator(d, side, x, w, regime)
             if beyond > 0.0:
                 end_at_event(d, side, x, w, regime, beyond)
             return True, beyond > 0.0
@@ -254,7 +256,7 @@ def balanced_speed(
     return omega1 + correction if abs(correction) < MAX_CORRECTION * abs(omega1) else omega1
 
 
-def take_step(d: Constants, side: Side, x: State, w: Workspace, regime: int) -> None:
+def accept_step(d: Constants, side: Side, x: State, w: Workspace, regime: int) -> None:
     """Add the step in hand to the state and its sums; energies balance.
 
     By speed the balance gives the input work, by torque a small correction of the input speed.
@@ -293,7 +295,7 @@ def take_step(d: Constants, side: Side, x: State, w: Workspace, regime: int) -> 
     x.housing_impulse += change.output + d.b2 * change.theta2 - change.mesh
 
 
-def meet_limits(side: Side, x: State, regime: int, ends: bool) -> None:
+def set_to_limits(side: Side, x: State, regime: int, ends: bool) -> None:
     """Set speeds at the end of a regime exactly to its limit.
 
     Args:
@@ -338,15 +340,15 @@ def run_averaged(d: Constants, x: State, w: Workspace, h: float) -> int:
         fits, ends = advance_regime(d, side, x, w, regime, min(limit, d.max_step))
         if not fits:
             return STEP_TOO_SMALL
-        take_step(d, side, x, w, regime)
+        accept_step(d, side, x, w, regime)
         arrives = w.mean_length >= limit
         time += w.mean_length
         if d.by_torque == 0.0:
             x.omega1 = 0.0 if zero and arrives else start + x.alpha1 * time
         elif ends and side.direction * x.omega1 <= REST_RTOL * x.omega3:
             x.omega1 = 0.0
-        meet_limits(side, x, regime, ends)
+        set_to_limits(side, x, regime, ends)
         if arrives and not zero:
-            end_step(d, x)
+            update_end(d, x)
             return OK
     return TOO_MUCH_WORK

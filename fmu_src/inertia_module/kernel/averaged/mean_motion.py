@@ -149,7 +149,7 @@ def write_mean_rates(
         m.lost[FREEWHEEL] -= torque * (omega3 - side.end * forward)
 
 
-def most_locked_torque(d: Constants, side: Side, x: State, speed: float) -> float:
+def max_locked_torque(d: Constants, side: Side, x: State, speed: float) -> float:
     """Return the largest torque, N m, that a shaft locked to link 1 can take from it.
 
     The ideal mechanism without the resistance of link 2; at least the mean torque towards ratio 1.
@@ -187,7 +187,7 @@ def torque_at_rest(d: Constants, side: Side, x: State, speed: float) -> float:
     return torque - x.load_torque
 
 
-def beyond_regime(d: Constants, side: Side, x: State, regime: int, omega1: float, omega3: float) -> float:
+def regime_indicator(d: Constants, side: Side, x: State, regime: int, omega1: float, omega3: float) -> float:
     """Return a number that is positive where speeds are beyond a regime: its event indicator.
 
     Args:
@@ -209,7 +209,7 @@ def beyond_regime(d: Constants, side: Side, x: State, regime: int, omega1: float
         return max(stopped, torque_at_rest(d, side, x, max(speed, 0.0)))
     write_mean_rates(d, side, x, LOCKED, omega1, omega3, d.mean)
     torque = d.mean.output
-    excess = torque - most_locked_torque(d, side, x, speed)
+    excess = torque - max_locked_torque(d, side, x, speed)
     return max(stopped, excess, -torque - d.output_drag)
 
 
@@ -235,7 +235,7 @@ def choose_regime(d: Constants, side: Side, x: State) -> int:
             driving = side.direction * d.mean.omega1
         if driving <= 0.0 or (gap >= 0.0 and speed > 0.0):
             return RESTING
-    if can_lock(side, x) and beyond_regime(d, side, x, LOCKED, x.omega1, x.omega3) <= 0.0:
+    if can_lock(side, x) and regime_indicator(d, side, x, LOCKED, x.omega1, x.omega3) <= 0.0:
         return LOCKED
     if gap == 0.0:
         write_mean_rates(d, side, x, COASTING, x.omega1, x.omega3, d.mean)
@@ -280,9 +280,9 @@ def takes_up_jump(d: Constants, x: State, jump: float, h: float) -> bool:
     if not (can_lock(d.forward, x) and min(x.omega1, x.omega1 + x.alpha1 * h + jump) > 0.0):
         return False
     before = x.alpha1
-    locked = beyond_regime(d, d.forward, x, LOCKED, x.omega1, x.omega3) <= 0.0
+    locked = regime_indicator(d, d.forward, x, LOCKED, x.omega1, x.omega3) <= 0.0
     x.alpha1 = before + jump / h
-    locked = locked and beyond_regime(d, d.forward, x, LOCKED, x.omega1 + x.alpha1 * h, x.omega3) <= 0.0
+    locked = locked and regime_indicator(d, d.forward, x, LOCKED, x.omega1 + x.alpha1 * h, x.omega3) <= 0.0
     x.alpha1 = before
     return locked
 
@@ -309,7 +309,7 @@ def jump_averaged(d: Constants, x: State, jump: float) -> float:
     return impulse - (2.0 * before / start if start != 0.0 else 0.0)
 
 
-def end_step(d: Constants, x: State) -> None:
+def update_end(d: Constants, x: State) -> None:
     """Set the mean speed of link 2, and by torque the acceleration of link 1, at the end of a step."""
     side = side_now(d, x)
     regime = set_regime(d, side, x)

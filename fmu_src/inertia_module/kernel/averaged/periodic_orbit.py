@@ -164,7 +164,7 @@ def follow_period(d: Constants, x: State, w: Workspace, length: float) -> float:
     Returns:
         Time of the period in s, or -1 if links 1 and 2 stick together in it.
     """
-    before = w.kept
+    before = w.saved
     time = energy = 0.0
     slowest = max(abs(x.omega1) - x.omega3, 1e-6 * abs(x.omega1))
     if x.omega1 < 0.0:
@@ -221,7 +221,7 @@ def begin_period(d: Constants, x: State, w: Workspace, omega1: float, omega2: fl
     x.omega1 = omega1
     x.omega2 = omega2
     x.omega3 = omega3
-    x.held_input = omega1
+    x.last_input_speed = omega1
     x.drive_torque = w.orbit_torque if d.by_torque != 0.0 else 0.0
     w.prescribed = x.drive_torque
     w.load = 0.0

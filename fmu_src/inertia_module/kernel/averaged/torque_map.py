@@ -45,7 +45,7 @@ RATIOS = (
 )
 # first slownesses V0 / (|omega1| + V0) of the grid; at the last two friction and drag alone act
 FIRST_SLOWNESSES = (0.0, 0.25, 0.5, 0.75, 0.99, 1.0)
-N_EVEN = 2
+N_FRICTION_ONLY = 2
 # number of slownesses of the grid
 SLOWNESSES = 15
 # causes of losses in the map
@@ -236,7 +236,7 @@ def surface(
         slowness: numbers of the slowness (slowness_cell)
         place: place of the first number in a column
     """
-    if side.slow == 0.0:
+    if side.v0 == 0.0:
         value, _ = curve(side, n, ratio, place)
         return value
     a = at_slowness(side.columns[max(n - 1, 0)], m, slowness, place)
@@ -260,17 +260,17 @@ def look_up(d: Constants, side: Side, speed: float, ratio: float, means: Steady)
     s = min(max(ratio, 0.0), side.end)
     n = ratio_interval(side, s)
     cell = ratio_cell(side, n, s)
-    scale = speed + side.slow
+    scale = speed + side.v0
     m, slowness = 0, cell
-    if side.slow > 0.0:
-        z = side.slow / scale
+    if side.v0 > 0.0:
+        z = side.v0 / scale
         m = slowness_interval(side, z)
         slowness = slowness_cell(side, m, z)
     means.torque = scale * scale * surface(side, n, cell, m, slowness, TORQUE)
     means.omega2 = speed * min(max(surface(side, n, cell, m, slowness, LINK2), 0.0), s)
     means.inertia, means.slope = curve(side, n, cell, ENERGY)
     clear(means.lost)
-    if d.lossy != 0.0:
+    if d.averaged_losses != 0.0:
         for cause in range(len(LOSSES)):
             value = surface(side, n, cell, m, slowness, LOST + SLOWNESSES * cause)
             means.lost[int(LOSSES[cause])] = scale * scale * max(value, 0.0)
@@ -364,7 +364,7 @@ def last_ratio(d: Constants, direction: float) -> tuple[float, float]:
     momentum = maximum(d, MOMENTUM, direction, 0.0)[1]
     locks = direction > 0.0 and -maximum(d, FLIGHT_SLIP, direction, momentum)[1] < LOCK_SLIP_SQUARED
     flight = max(maximum(d, FLIGHT_SPEED, direction, momentum)[1], 0.0)
-    if locks or (direction > 0.0 and d.lossy != 0.0):
+    if locks or (direction > 0.0 and d.averaged_losses != 0.0):
         return 1.0, 1.0 if locks else 0.0
     return max(flight, MIN_LAST_RATIO), 0.0
 
@@ -413,7 +413,7 @@ def copy_orbit(column: Column, before: Column, m: int) -> None:
         column.inertia, column.ripple, column.peak = before.inertia, before.ripple, before.peak
 
 
-def write_even(d: Constants, side: Side, column: Column, m: int, ratio: float) -> None:
+def write_friction_means(d: Constants, side: Side, column: Column, m: int, ratio: float) -> None:
     """Write the means of slow links for slowness m: friction and drag alone act, and link 2 turns evenly.
 
     Link 2 rests, turns with the output shaft, or at the speed between at which its torques balance.
@@ -425,7 +425,7 @@ def write_even(d: Constants, side: Side, column: Column, m: int, ratio: float) -
         m: number of the slowness
         ratio: omega3 / |omega1|
     """
-    speed = side.slow * max((1.0 - side.slowness[m]) / side.slowness[m], REST_SPEED_RATIO)
+    speed = side.v0 * max((1.0 - side.slowness[m]) / side.slowness[m], REST_SPEED_RATIO)
     omega3 = ratio * speed
     pull = d.k * d.k * d.bq / (1.0 - d.mesh_loss)
     resisting = pull + d.b2 + d.housing_drag_viscous
@@ -435,7 +435,7 @@ def write_even(d: Constants, side: Side, column: Column, m: int, ratio: float) -
     torque = -d.output_drag - d.output_drag_viscous * over
     if over == 0.0:
         torque = side.direction * pull * speed - resisting * omega2 - d.housing_drag
-    square = (speed + side.slow) * (speed + side.slow)
+    square = (speed + side.v0) * (speed + side.v0)
     column.torque[m] = torque / square
     column.link2[m] = omega2 / speed
     power = speed * square
@@ -468,10 +468,10 @@ def add_orbit(d: Constants, w: Workspace, side: Side, n: int, m: int, omega1: fl
     Returns:
         True if the column has means.
     """
-    scale = abs(omega1) + (side.slow if m > 0 else 0.0)
-    time = find_orbit(d, w.part, w, omega1, grid_ratio(side, n), period_length(d))
+    scale = abs(omega1) + (side.v0 if m > 0 else 0.0)
+    time = find_orbit(d, w.orbit, w, omega1, grid_ratio(side, n), period_length(d))
     if time > 0.0:
-        write_orbit(d, w.part, w, side.columns[n], m, omega1, scale, time)
+        write_orbit(d, w.orbit, w, side.columns[n], m, omega1, scale, time)
     elif n > 0:
         copy_orbit(side.columns[n], side.columns[n - 1], m)
     return time > 0.0 or n > 0
@@ -504,7 +504,7 @@ def shift_orbits(side: Side, column: Column, before: Column) -> None:
         column: of the map, at slowness 0 with the orbit by torque
         before: the same column, at slowness 0 with the orbit at constant input speed
     """
-    for m in range(1, len(side.slowness) - N_EVEN):
+    for m in range(1, len(side.slowness) - N_FRICTION_ONLY):
         share = (1.0 - side.slowness[m]) * (1.0 - side.slowness[m])
         column.torque[m] += share * (column.torque[0] - before.torque[0])
         column.link2[m] += column.link2[0] - before.link2[0]
@@ -568,7 +568,7 @@ def insert_slowness(side: Side, m: int, count: int) -> None:
 
 def add_slow_orbits(d: Constants, w: Workspace, side: Side, m: int) -> bool:
     """Write the orbits of all ratios for slowness m above 0. Returns True if there are orbits."""
-    omega1 = side.direction * side.slow * (1.0 - side.slowness[m]) / side.slowness[m]
+    omega1 = side.direction * side.v0 * (1.0 - side.slowness[m]) / side.slowness[m]
     return add_orbits(d, w, side, m, omega1)
 
 
@@ -588,16 +588,16 @@ def add_friction(p: Parameters, d: Constants, w: Workspace, side: Side) -> bool:
     for m in range(count):
         side.slowness[m] = FIRST_SLOWNESSES[m]
     for n in range(len(RATIOS)):
-        for m in range(count - N_EVEN, count):
-            write_even(d, side, side.columns[n], m, grid_ratio(side, n))
+        for m in range(count - N_FRICTION_ONLY, count):
+            write_friction_means(d, side, side.columns[n], m, grid_ratio(side, n))
     complete = True
-    for m in range(1, count - N_EVEN):
+    for m in range(1, count - N_FRICTION_ONLY):
         complete = complete and add_slow_orbits(d, w, side, m)
     while complete and count < SLOWNESSES:
         worst, largest = 0, -1.0
-        for m in range(count - N_EVEN):
+        for m in range(count - N_FRICTION_ONLY):
             z = 0.5 * (side.slowness[m] + side.slowness[m + 1])
-            speed = side.slow * (1.0 - z) / z
+            speed = side.v0 * (1.0 - z) / z
             scale = max(side.columns[0].torque[0] * speed * speed, resistance(p, d, speed))
             error = interpolation_error(side, m, count) / (z * z * scale)
             if error > largest:
@@ -625,12 +625,12 @@ def drive_by_torque(d: Constants, w: Workspace, side: Side) -> bool:
         copy(w.column.numbers, side.columns[n].numbers)
         if not add_orbit(d, w, side, n, 0, side.direction):
             return False
-        if side.slow > 0.0:
+        if side.v0 > 0.0:
             shift_orbits(side, side.columns[n], w.column)
     return True
 
 
-def extend(d: Constants, w: Workspace, side: Side) -> None:
+def extend_last_ratio(d: Constants, w: Workspace, side: Side) -> None:
     """Let the last ratio of a mechanism with losses grow while the orbit there transmits a torque.
 
     Args:
@@ -640,8 +640,8 @@ def extend(d: Constants, w: Workspace, side: Side) -> None:
     """
     for _ in range(MAX_GROWTHS):
         w.orbit_torque = 0.0
-        time = find_orbit(d, w.part, w, side.direction, side.end, period_length(d))
-        if time < 0.0 or w.part.output_impulse <= NO_TORQUE_RATIO * d.F_by_speed * time:
+        time = find_orbit(d, w.orbit, w, side.direction, side.end, period_length(d))
+        if time < 0.0 or w.orbit.output_impulse <= NO_TORQUE_RATIO * d.F_by_speed * time:
             return
         side.end *= GROWTH
 
@@ -656,18 +656,18 @@ def build_side(p: Parameters, d: Constants, w: Workspace, side: Side) -> bool:
         side: map, with its direction
     """
     side.end, side.locks = last_ratio(d, side.direction)
-    side.slow = 0.0
+    side.v0 = 0.0
     w.orbit_start = release_angle(d, side.direction)
     set_friction(p, d, 0.0)
-    if d.lossy != 0.0 and side.direction < 0.0:
-        extend(d, w, side)
+    if d.averaged_losses != 0.0 and side.direction < 0.0:
+        extend_last_ratio(d, w, side)
     by_torque = d.by_torque
-    if d.lossy != 0.0:
+    if d.averaged_losses != 0.0:
         d.by_torque = 0.0
     complete = add_orbits(d, w, side, 0, side.direction)
-    if complete and d.lossy != 0.0:
-        side.slow = balance_speed(p, d, side.columns[0].torque[0])
-        complete = side.slow == 0.0 or add_friction(p, d, w, side)
+    if complete and d.averaged_losses != 0.0:
+        side.v0 = balance_speed(p, d, side.columns[0].torque[0])
+        complete = side.v0 == 0.0 or add_friction(p, d, w, side)
         d.by_torque = by_torque
         if complete and by_torque != 0.0:
             complete = drive_by_torque(d, w, side)
