@@ -1,11 +1,11 @@
-"""Plant single changes in copies of the kernel, and run tests with each: do the tests fail?
+"""Plant single changes in copies of the package, and run tests with each: do the tests fail?
 
     python tests/planted_changes.py -n 2                     all changes, each with the selection below
-    python tests/planted_changes.py -k location tests/unit/test_crossings.py
+    python tests/planted_changes.py -k "^scene/loads"        changes of one file
+    python tests/planted_changes.py -k events/location tests/unit/test_crossings.py
 
-Prints for each change the first test that failed, or "survived". Nothing is translated: the tests run with
-INERTIA_MODULE_KERNEL=plain and few examples each, so choose tests of the kernel itself, tests/unit, not of
-built FMUs.
+Prints for each change the first test that failed, or "survived". The tests have few examples each. A changed
+kernel is not translated: its tests run with INERTIA_MODULE_KERNEL=plain, so choose tests without built FMUs.
 """
 
 import argparse
@@ -23,17 +23,17 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "fmu_src" / "inertia_module"
 TIME_LIMIT = 400  # s per change; an endless run counts as a failure
 QUIETLY = {"capture_output": True, "text": True}
-# Tests by changed file of the kernel, and groups of tests.
+# Tests by changed file, and groups of tests.
 TESTS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-# File of the kernel, and a unique place in the file: {original text|planted text}.
+# File of the package, and a unique place in the file: {original text|planted text}.
 CHANGES = Path(__file__).with_suffix(".txt").read_text(encoding="utf-8").splitlines()
 
 
 def edited(change):
-    """Return the kernel file of a change, and its text with the change."""
+    """Return the path of a changed file in the package, and its text with the change."""
     path, place = change.encode().decode("unicode_escape").split(": ", 1)
     old, new = (re.sub(r"{(.*?)\|(.*?)}", part, place) for part in (r"\1", r"\2"))
-    source = (PACKAGE / "kernel" / path).read_text()
+    source = (PACKAGE / path).read_text(encoding="utf-8")
     assert source.count(old) == 1, f"{path} has {old!r} {source.count(old)} times, must have it once"
     return path, source.replace(old, new)
 
@@ -42,7 +42,7 @@ def planted(folder, change):
     """Copy the package into a folder with this change, and return the folder."""
     path, source = edited(change)
     package = shutil.copytree(PACKAGE, folder / PACKAGE.name, ignore=shutil.ignore_patterns("__pycache__"))
-    (package / "kernel" / path).write_text(source)
+    (package / path).write_text(source, encoding="utf-8")
     return folder
 
 
@@ -50,14 +50,15 @@ def tests_of(change):
     """Return the tests selected for a change by its file."""
     file = change.partition(":")[0]
     names = next(names for part, names in TESTS["selection"].items() if re.search(part, file))
-    return [f"tests/unit/{name}" for name in names.format_map(TESTS["groups"]).split()]
+    return [f"tests/{name}" for name in names.format_map(TESTS["groups"]).split()]
 
 
-def noticed_by(change, selection):
-    """Return the first test that fails with a change, or "survived"; an empty change plants nothing."""
+def noticed_by(change, selection, is_planted=True):
+    """Return the first test that fails with a change, or without it, or "survived"."""
     with tempfile.TemporaryDirectory() as folder:
-        place = planted(Path(folder), change) if change else PACKAGE.parent
-        environment = os.environ | {"INERTIA_MODULE_KERNEL": "plain", "PYTHONPATH": str(place)}
+        place = planted(Path(folder), change) if is_planted else PACKAGE.parent
+        plain = {"INERTIA_MODULE_KERNEL": "plain"} if change.startswith("kernel/") else {}
+        environment = os.environ | {"PYTHONPATH": str(place)} | plain
         options = ["-x", "-q", "-p", "no:cacheprovider", "--hypothesis-profile=few"]
         command = [sys.executable, "-m", "pytest", *options, *selection]
         try:
@@ -79,13 +80,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("tests", nargs="*", help="in place of the selection")
     parser.add_argument("-n", type=int, default=1, help="changes at a time")
-    parser.add_argument("-k", default="", help="only changes of files whose name contains this")
+    parser.add_argument("-k", default="", help="only changes of files whose path matches this regular expression")
     arguments = parser.parse_args()
-    changes = [change for change in CHANGES if arguments.k in change.partition(":")[0]]
-    chosen = [arguments.tests or tests_of(change) for change in changes]
+    changes = [change for change in CHANGES if re.search(arguments.k, change.partition(":")[0])]
+    chosen = [tuple(arguments.tests or tests_of(change)) for change in changes]
+    examples = dict(zip(chosen, changes, strict=True))
     survivors = 0
     with ThreadPoolExecutor(arguments.n) as pool:
-        for before in pool.map(lambda tests: noticed_by("", tests), {tuple(tests) for tests in chosen}):
+        for before in pool.map(lambda tests: noticed_by(examples[tests], tests, False), examples):
             if before != "survived":
                 sys.exit(f"without a change fails {before}")
         for change, result in zip(changes, pool.map(noticed_by, changes, chosen), strict=True):
