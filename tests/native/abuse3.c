@@ -66,7 +66,7 @@ static fmi3Float64 discrete_value(void)
 {
     fmi3Float64 value = 0.0;
     for (fmi3ValueReference n = 0; n < model.variable_count; n++)
-        if (model.variables[n].held >= 0 && model.variables[n].kind == REAL)
+        if (model.variables[n].discrete_slot >= 0 && model.variables[n].kind == REAL)
             CHECK(fmi3GetFloat64(c, &n, 1, &value, 1) == fmi3OK, "reading %s", model.variables[n].name);
     return value;
 }
@@ -280,7 +280,7 @@ int main(int count, char **arguments)
     fmi3FreeInstance(c);
     CHECK(memory.blocks == 0, "%zu blocks are left", memory.blocks);
     CHECK(statuses[fmi3OK] > 0 && statuses[fmi3Discard] > 0 && updates > 0, "too little was done");
-    CHECK((events > 0) == (model.switching_slot >= 0), "%lu events", events);
+    CHECK((events > 0) == (model.event_slot >= 0), "%lu events", events);
     printf("%lu ok, %lu discard, %lu error, %lu updates, %lu events\n", statuses[fmi3OK], statuses[fmi3Discard],
            statuses[fmi3Error], updates, events);
     return 0;

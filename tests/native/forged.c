@@ -143,11 +143,11 @@ static void attack(fmi2Component c, const struct setting *settings, size_t const
     for (size_t n = 0; n < model.bound_count; n++) {
         const struct bound *bound = &model.bounds[n];
         const size_t place = (bound->of == STATE ? x : d) + bound->slot;
-        CHECK(get(&state, place) <= bound->most, "a good state is within its bounds");
-        put(&state, place, 2.0 * bound->most + 1.0);
+        CHECK(get(&state, place) <= bound->maximum, "a good state is within its bounds");
+        put(&state, place, 2.0 * bound->maximum + 1.0);
         CHECK(!is_taken(c, &state), "number %zu of %s is taken beyond its bound", bound->slot,
               bound->of == STATE ? "the state" : "the constants");
-        put(&state, place, bound->most);
+        put(&state, place, bound->maximum);
         CHECK(is_taken(c, &state), "the bound itself");
         use(c);
         CHECK(fmi2Reset(c) == fmi2OK, "reset");
