@@ -123,10 +123,10 @@ static void attack(fmi2Component c, const struct setting *settings, size_t const
         CHECK(fmi2DoStep(c, n * 0.01, 0.01, fmi2True) == fmi2OK, "step");
     struct state state = serialize(c);
     CHECK(forge(c, &state, PHASE, PHASE + 1) == 0, "a phase that is none is taken");
-    CHECK(forge(c, &state, PREPARED, HEAD_SIZE) == 0, "a mark that is neither 0 nor 1 is taken");
-    put(&state, PREPARED, 0.0);
+    CHECK(forge(c, &state, STARTED, HEAD_SIZE) == 0, "a mark that is neither 0 nor 1 is taken");
+    put(&state, STARTED, 0.0);
     CHECK(!is_taken(c, &state), "a state steps with parameters that were never checked");
-    put(&state, PREPARED, 1.0);
+    put(&state, STARTED, 1.0);
     for (size_t n = 0; n < model.variable_count; n++) {
         const struct variable *variable = &model.variables[n];
         if (variable->array == PARAMETERS && variable->kind != REAL) {
@@ -155,7 +155,7 @@ static void attack(fmi2Component c, const struct setting *settings, size_t const
         free(state.bytes);
         state = serialize(c);
     }
-    forge(c, &state, TOLERANCE, PREPARED);
+    forge(c, &state, TOLERANCE, STARTED);
     forge(c, &state, d, d + constants);
     forge(c, &state, x, x + model.x_size);
     free(state.bytes);

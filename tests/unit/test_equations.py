@@ -134,7 +134,7 @@ def test_mesh_signs_agree_with_the_torques(chance, satellites, drive):
         assert (m.alpha1, m.alpha2) == pytest.approx((alpha1, alpha2), rel=1e-9)
 
 
-def test_mesh_torque_with_link_2_held_by_hand(chance):
+def test_mesh_torque_of_a_held_link_2_is_the_closed_form(chance):
     """M2 = k [G q'' + G' q'^2 / 2 + B alpha1 - I' omega1^2 / 2] without losses."""
     module = started("plain", LAYOUTS["bevel, askew"])
     d, x, m = module.derived, module.state, module.derived.machine
@@ -148,7 +148,7 @@ def test_mesh_torque_with_link_2_held_by_hand(chance):
     assert m.housing == pytest.approx(-mesh, rel=1e-12)
 
 
-def test_every_bit_of_the_mode_can_be_toggled():
+def test_sign_of_each_satellite_can_be_toggled():
     for signs in range(16):
         for n in range(6):
             assert toggle_bit(float(signs), n) == signs ^ (1 << n)
