@@ -334,10 +334,10 @@ def test_prior_of_an_unidentifiable_key_is_unchanged(fmu, true_scene, tmp_path):
 
 
 def test_prior_is_not_reported_as_a_cause_or_bound(fmu, true_scene, tmp_path):
-    so = {"output_inertia": "0.5 +- 0", "load.torque": "10 N.m +- 0", "offset.omega2": "0.5 rad/s +- 0"}
-    fit = studies.fit(MEASURED, true_scene, {"imbalance_mass": None, **so}, output=tmp_path, fmu=fmu)
+    fixed = {"output_inertia": "0.5 +- 0", "load.torque": "10 N.m +- 0", "offset.omega2": "0.5 rad/s +- 0"}
+    fit = studies.fit(MEASURED, true_scene, {"imbalance_mass": None, **fixed}, output=tmp_path, fmu=fmu)
     assert [cause.name for cause in fit.parameters] == ["mechanism.imbalance_mass"]
-    names = {one.name for one in fit.candidates}
+    names = {candidate.name for candidate in fit.candidates}
     assert not names & {"mechanism.output_inertia", "load.torque", "offset.omega2"}
     assert "mechanism.mesh_efficiency" in names
     # The known offset of the sensor is subtracted.
@@ -346,15 +346,15 @@ def test_prior_is_not_reported_as_a_cause_or_bound(fmu, true_scene, tmp_path):
     with pytest.raises(
         InertiaModuleError, match="at least one key must be free; a deviation of 0 fixes a key"
     ):
-        studies.fit(MEASURED, true_scene, so, output=tmp_path, fmu=fmu)
+        studies.fit(MEASURED, true_scene, fixed, output=tmp_path, fmu=fmu)
 
 
 def test_wrong_radius_is_named_or_tied(fmu, rig, tmp_path):
     from benchmarks import fit as benchmark
 
-    one = benchmark.wrong_radius(rig.true_speeds(), 0, np.random.default_rng(0))
-    scene = load_scene(SCENE).with_keys(dict(one.changes))
-    file = write_columns(tmp_path / "measured.csv", one.columns)
+    case = benchmark.wrong_radius(rig.true_speeds(), 0, np.random.default_rng(0))
+    scene = load_scene(SCENE).with_keys(dict(case.changes))
+    file = write_columns(tmp_path / "measured.csv", case.columns)
     fit = studies.fit(file, scene, FREE, output=tmp_path, fmu=fmu)
     assert "mechanism.sun_radius" in [cause.name for cause in fit.causes]
     likelihoods = [cause.likelihood_ratio for cause in fit.causes]
@@ -374,7 +374,7 @@ def delayed_columns(fmu, scene, names, times, late=()):
     """Return columns of a scene at times, shape (times, names); `late` is the delay of each sensor, s."""
     table = Result.from_columns({"time": times} | dict.fromkeys(names, 0.0 * times))
     with Rig(scene, measurement(table, scene), fmu) as rig:
-        return rig.computed({f"shift.{name}": one for name, one in zip(names, late, strict=False)})
+        return rig.computed({f"shift.{name}": delay for name, delay in zip(names, late, strict=False)})
 
 
 def test_shifted_column_of_any_kind_is_read_earlier(fmu):

@@ -82,7 +82,8 @@ enum status get_rates(struct instance *c, const uint32_t references[], size_t co
         return status;
     copy_to_trial(c, c->x, c->u);
     memcpy(c->y_trial, c->y, model.y_size * sizeof(double));
-    const int64_t kernel_status = call_kernel(OPERATION_OUTPUT_DERIVATIVES, c->p, c->d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0);
+    const int64_t kernel_status =
+        call_kernel(OPERATION_OUTPUT_DERIVATIVES, c->p, c->d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0);
     if (kernel_status != STATUS_OK)
         return report_kernel_status(c, DISCARD, kernel_status, c->u_trial, 0.0);
     for (size_t n = 0; n < count; n++)
@@ -109,12 +110,14 @@ static int64_t compute_trial(struct instance *c, const uint32_t knowns[], size_t
         if (known->array == PARAMETERS && !is_allowed(known, c->p_trial[known->slot]))
             return OUT_OF_RANGE;
     }
-    const int64_t kernel_status =
-        changes_parameters ? call_kernel(OPERATION_UPDATE_PARAMETERS, c->p_trial, c->d, c->u_trial, c->x_trial, y, c->w, 0.0) : STATUS_OK;
-    if (kernel_status != STATUS_OK)
-        return kernel_status;
-    return call_kernel(stepped ? OPERATION_STEP_FOR_DIFFERENCING : OPERATION_START, c->p_trial, c->d, c->u_trial, c->x_trial, y,
-                  c->w, c->head[LAST_STEP]);
+    if (changes_parameters) {
+        const int64_t kernel_status =
+            call_kernel(OPERATION_UPDATE_PARAMETERS, c->p_trial, c->d, c->u_trial, c->x_trial, y, c->w, 0.0);
+        if (kernel_status != STATUS_OK)
+            return kernel_status;
+    }
+    const enum operation operation = stepped ? OPERATION_STEP_FOR_DIFFERENCING : OPERATION_START;
+    return call_kernel(operation, c->p_trial, c->d, c->u_trial, c->x_trial, y, c->w, c->head[LAST_STEP]);
 }
 
 /* Return the length of the direction: the maximum of its numbers relative to the magnitudes of the knowns. */
@@ -125,7 +128,8 @@ static double length_of(const struct instance *c, const uint32_t knowns[], size_
     double length = 0.0;
     for (size_t n = 0; n < count; n++) {
         const struct variable *variable = &model.variables[knowns[n]];
-        const double value = (variable->array == INPUTS ? u : c->p)[variable->slot]; /* if it is not finite, the kernel rejects it later */
+        /* The kernel later rejects a value that is not finite. */
+        const double value = (variable->array == INPUTS ? u : c->p)[variable->slot];
         const double size = is_finite(value) ? fmax(fabs(value), variable->nominal) : variable->nominal;
         length = fmax(length, fabs(direction[n]) / size);
     }

@@ -15,7 +15,8 @@ struct component {
 };
 
 /* Report why an instantiation is rejected. There is no instance that could report it. */
-INTERNAL fmi3Instance reject_instantiation(fmi3InstanceEnvironment environment, fmi3LogMessageCallback log, const char *message);
+INTERNAL fmi3Instance reject_instantiation(fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
+                                           const char *message);
 
 /* Check that there is an instance and one value for each reference, because no variable is an array. */
 INTERNAL fmi3Status check_count(struct instance *c, size_t count, size_t value_count);

@@ -91,7 +91,8 @@ INTERNAL enum status report_wrong_phase(struct instance *c, const char *call, co
 INTERNAL enum status report_missing_array(struct instance *c, const char *call);
 
 /* Report the message of a status of the kernel, with the values of inputs in u, and return ``status``. */
-INTERNAL enum status report_kernel_status(struct instance *c, enum status status, int64_t kernel_status, const double *u, double step);
+INTERNAL enum status report_kernel_status(struct instance *c, enum status status, int64_t kernel_status,
+                                          const double *u, double step);
 
 /* Log the warnings of the model, such as a mechanism that cannot be built. */
 INTERNAL void log_warnings(struct instance *c);

@@ -66,7 +66,7 @@ const char *number_text(char *text, double value)
     for (const char *from = text; *from; from++) {
         if ((*from >= '0' && *from <= '9') || *from == '-' || *from == '+' || *from == 'e')
             text[length++] = *from;
-        else if (length > 0 && text[length - 1] != '.') /* the decimal separator of the host's locale may have several bytes */
+        else if (length > 0 && text[length - 1] != '.') /* a locale's decimal separator may have several bytes */
             text[length++] = '.';
     }
     text[length] = '\0';
@@ -101,7 +101,8 @@ static void compose(char *text, const struct instance *c, const struct piece *pi
     text[length] = '\0';
 }
 
-enum status report_kernel_status(struct instance *c, enum status status, int64_t kernel_status, const double *u, double step)
+enum status report_kernel_status(struct instance *c, enum status status, int64_t kernel_status, const double *u,
+                                 double step)
 {
     char text[MESSAGE_SIZE];
     for (size_t n = 0; n < model.message_count; n++) {

@@ -58,7 +58,7 @@ struct model {
     const struct variable *variables;
     size_t variable_count;
     int tolerance_slot;  /* position of the tolerance in the parameters, or -1 */
-    int length_slot;     /* position in the state of the length of the last step, or -1 if steps cannot stop at events */
+    int length_slot;     /* position in the state of the length of the last step; -1 if steps cannot stop at events */
     int event_slot;      /* position in the state of the flag of a pending event, or -1 */
     size_t p_size, d_size, u_size, x_size, y_size, w_size;
     const struct message *messages;

@@ -45,7 +45,8 @@ static double value_of(const struct instance *c, uint32_t reference)
 {
     const struct variable *variable = &model.variables[reference];
     const enum phase phase = phase_of(c);
-    if (variable->discrete_slot >= 0 && c->holds_discrete && (phase == STEPPING || phase == UPDATING || phase == TERMINATED))
+    const int is_stored = phase == STEPPING || phase == UPDATING || phase == TERMINATED;
+    if (variable->discrete_slot >= 0 && c->holds_discrete && is_stored)
         return c->held[variable->discrete_slot];
     return c->values[variable->array][variable->slot];
 }
