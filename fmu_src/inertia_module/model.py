@@ -296,7 +296,7 @@ class ModelInstance(Plant):
                 raise ParameterError(unknown("input", name, inputs))
         for name, rate in rates.items():
             setattr(self.inputs, f"{name}_rate", rate)
-            setattr(self.inputs, f"{name}_rate_given", 1.0)
+            setattr(self.inputs, f"{name}_has_rate", 1.0)
 
     def rates(self) -> dict[str, float]:
         """Return the present rates of the outputs by name, per second; a step mean has rate 0.
@@ -536,7 +536,7 @@ class Module(ModelInstance):
             ParameterError: the parameters are invalid, or there is no periodic orbit.
         """
         self._prepare(values)
-        self._check(self.call(codes.STEADY, period), period)
+        self._check(self.call(codes.START_STEADY, period), period)
         self.started = True
         return self
 

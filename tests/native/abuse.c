@@ -1,4 +1,4 @@
-/* Drives an FMU through random calls: abuse SEED CALLS. Ends with status 0 if all of them were survived in order.
+/* Drives an FMU through random calls: abuse SEED CALLS. Ends with status 0 if all calls behave correctly.
  *
  * A rejected call must change nothing that can be read; a status is one of four; and after all of it an
  * instance that is reset runs as a fresh one does, bit for bit.
@@ -46,7 +46,7 @@ static void make(struct slot *slot)
     slot->c = instantiate(&slot->journal, names[slot - slots]);
 }
 
-/* Reset an instance and let it run against a fresh one. */
+/* Reset an instance and compare its run with the run of a new one. */
 static void compare_with_fresh(struct slot *slot)
 {
     struct journal journal;
@@ -63,7 +63,7 @@ static void compare_with_fresh(struct slot *slot)
     memory.refuse_one_in = refuse_one_in;
 }
 
-/* One action; whether it made a call. */
+/* Execute one action and return 1 if it made a call. */
 static int act(const struct action *action, struct slot *slot, unsigned long statuses[4])
 {
     const fmi2Component c = one_in(&chance, 300) ? NULL : slot->c;

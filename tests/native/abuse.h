@@ -1,4 +1,4 @@
-/* Random calls of an FMU: what the files of the program share. */
+/* Random calls of an FMU: the declarations that the files of the program share. */
 #ifndef ABUSE_H
 #define ABUSE_H
 
@@ -8,7 +8,7 @@
 #define MOST_REFERENCES 6
 #define MOST_BYTES 147456
 
-/* The phase an instance is in by the rules of FMI, kept here to know which calls belong to it. */
+/* Phase of an instance by the rules of FMI. It determines which calls are allowed. */
 enum stage { NEW, STARTING, RUNNING, BROKEN, ENDED };
 
 struct kept {
@@ -24,10 +24,10 @@ struct slot {
     struct kept kept[MOST_STATES];
     unsigned states;
     double time, stop; /* stop: of the experiment, if there is one */
-    fmi2FMUstate freed; /* a state that is no more */
+    fmi2FMUstate freed; /* a state that has been freed */
 };
 
-/* The last state serialized, of whichever instance. */
+/* The last serialized state of any instance. */
 struct serialized {
     fmi2Byte bytes[MOST_BYTES];
     size_t size;
@@ -40,22 +40,22 @@ extern struct slot slots[];
 extern const unsigned slot_count;
 extern struct serialized serialized;
 
-/* Any number a host may send: good, extreme, or none. */
+/* Any number that a host may send: valid, extreme, or NaN. */
 double any_number(void);
 
-/* A value for a variable: mostly within its range, often an end of it. */
+/* A value for a variable: mostly within its range, often an end of this range. */
 double value_for(const struct variable *variable);
 
-/* A communication step that a test has the time for: short where the mechanism turns fast. */
+/* A communication step with a limited run time: short if the mechanism turns fast. */
 double some_step(struct slot *slot);
 
-/* References: mostly of the kind and array asked for, sometimes any, sometimes of nothing. */
+/* References: mostly of the requested kind and array, sometimes of others, sometimes invalid. */
 unsigned some_references(fmi2ValueReference *references, enum kind kind, enum array array);
 
-/* Parameters, extreme ones among them, before initialisation. */
+/* Set parameters before initialisation, some of them extreme. */
 void choose_parameters(struct slot *slot);
 
-/* What an action answers: the status of its call, and whether no call of the FMU was made. */
+/* Result of an action: the status of its call, or a flag if it made no call. */
 struct answer {
     fmi2Status status;
     int no_call;

@@ -1,7 +1,7 @@
-/* Random calls of FMI 3.0 in any order, those of event mode among them: abuse3 SEED CALLS.
+/* Random calls of FMI 3.0 in any order, also of event mode: abuse3 SEED CALLS.
  *
- * Which call belongs to which phase is known here. One that does not is an error, and changes nothing that can be
- * read. (fmi2_by_3.c drives an instance as a host does; here nobody leads it through its events.)
+ * The program determines which call is allowed in which phase. Any other call is an error and changes no value.
+ * (fmi2_by_3.c drives an instance like a host, event by event.)
  */
 #include "fmi3Functions.h"
 #include "host.h"
@@ -44,7 +44,7 @@ static double any_value(void)
     return one_in(&chance, 3) ? odd[below(&chance, 6)] : between(&chance, 0.0, 100.0);
 }
 
-/* All numbers that can be read, or zeros, and the status of reading them. */
+/* All Real values, or zeros, and the status of reading them. */
 struct view {
     fmi3Status status;
     fmi3Float64 values[MOST_VARIABLES];
@@ -61,12 +61,12 @@ static void look(fmi3Instance instance, struct view *view)
     view->status = fmi3GetFloat64(instance, references, count, view->values, count);
 }
 
-/* A discrete value that the model has, or 0: it may change in event mode only, where a host uses it. */
+/* A discrete value of the model, or 0. It may change only in event mode, if the host uses it. */
 static fmi3Float64 discrete_value(void)
 {
     fmi3Float64 value = 0.0;
     for (fmi3ValueReference n = 0; n < model.variable_count; n++)
-        if (model.variables[n].held >= 0 && model.variables[n].kind == REAL)
+        if (model.variables[n].discrete_slot >= 0 && model.variables[n].kind == REAL)
             CHECK(fmi3GetFloat64(c, &n, 1, &value, 1) == fmi3OK, "reading %s", model.variables[n].name);
     return value;
 }
@@ -123,7 +123,7 @@ static fmi3Status end_of_initialization(fmi3Instance instance)
     CHECK(!instance || place == STARTING || status == fmi3Error, "the end of initialization in %d", place);
     if (instance && place == STARTING)
         place = status != fmi3OK ? BROKEN : has_events ? AT_AN_EVENT : BETWEEN_STEPS;
-    return instance && place == BROKEN ? fmi3OK : status; /* of which more can be read than before */
+    return instance && place == BROKEN ? fmi3OK : status; /* more values can be read now than before */
 }
 
 static fmi3Status enter_event(fmi3Instance instance)
@@ -280,7 +280,7 @@ int main(int count, char **arguments)
     fmi3FreeInstance(c);
     CHECK(memory.blocks == 0, "%zu blocks are left", memory.blocks);
     CHECK(statuses[fmi3OK] > 0 && statuses[fmi3Discard] > 0 && updates > 0, "too little was done");
-    CHECK((events > 0) == (model.switching_slot >= 0), "%lu events", events);
+    CHECK((events > 0) == (model.event_slot >= 0), "%lu events", events);
     printf("%lu ok, %lu discard, %lu error, %lu updates, %lu events\n", statuses[fmi3OK], statuses[fmi3Discard],
            statuses[fmi3Error], updates, events);
     return 0;

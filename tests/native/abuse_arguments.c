@@ -1,4 +1,4 @@
-/* Arguments by chance. */
+/* Random arguments. */
 #include "abuse.h"
 
 #include <float.h>
@@ -44,7 +44,7 @@ double value_for(const struct variable *variable)
     }
 }
 
-/* How far the mechanism turns and the shaft swings in a second, rad; 1 for a model that has neither. */
+/* Angle that the mechanism turns and the shaft oscillates in one second, rad; 1 for a model without both. */
 static double turning(fmi2Component c)
 {
     static const char *const names[] = {"sun_radius", "satellite_radius", "shaft_stiffness", "output_inertia",
@@ -101,7 +101,7 @@ void choose_parameters(struct slot *slot)
 {
     const unsigned changes = below(&chance, 5);
     if (model.tolerance_slot >= 0) {
-        /* averaged takes long to initialise */
+        /* the initialization of averaged takes long */
         static const double fidelities[] = {0.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0};
         const double fidelity = one_in(&chance, 60) ? 1.0 : fidelities[below(&chance, 8)];
         set_value(slot->c, reference_of("fidelity"), fidelity);

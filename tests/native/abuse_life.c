@@ -1,4 +1,4 @@
-/* Random calls that begin, end and reset instances, and switch their logging. */
+/* Random calls that create, end and reset instances, and switch their logging. */
 #include "abuse.h"
 
 #include <math.h>
@@ -65,7 +65,7 @@ static struct answer reset(struct slot *slot, fmi2Component c)
     return CALLED(status);
 }
 
-/* Bring an instance that does not run to where it steps, as a good host does, with parameters by chance. */
+/* Bring an instance to the step mode like a correct host, with random parameters. */
 static struct answer revive(struct slot *slot, fmi2Component c)
 {
     if (!c || slot->stage == RUNNING)
@@ -98,7 +98,7 @@ static struct answer set_logging(struct slot *slot, fmi2Component c)
     return CALLED(status);
 }
 
-/* Instantiate as hosts should not, without an instance as a result. */
+/* Instantiate with wrong arguments, which returns no instance. */
 static struct answer instantiate_wrongly(struct slot *slot, fmi2Component c)
 {
     struct journal journal = {"x", 0, fmi2OK, ""};

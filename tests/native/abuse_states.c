@@ -4,14 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A state that is none of the slot's: freed, of another instance, or nothing. */
+/* A state that does not belong to the slot: freed, of another instance, or NULL. */
 static fmi2FMUstate foreign_state(const struct slot *slot)
 {
     const struct slot *other = &slots[below(&chance, slot_count)];
     if (other != slot && other->c && other->states > 0 && one_in(&chance, 2))
         return other->kept[below(&chance, other->states)].state;
     for (unsigned n = 0; n < slot->states; n++)
-        if (slot->kept[n].state == slot->freed) /* the memory is in use again */
+        if (slot->kept[n].state == slot->freed) /* the memory has been reused */
             return NULL;
     return one_in(&chance, 3) ? NULL : slot->freed;
 }
@@ -94,7 +94,7 @@ static struct answer serialize(struct slot *slot, fmi2Component c)
     }
     if (one_in(&chance, 50))
         return CALLED(fmi2SerializeFMUstate(c, state, NULL, size));
-    fmi2Byte *const bytes = malloc(size); /* not a byte more: writing beyond it is found out */
+    fmi2Byte *const bytes = malloc(size); /* exact size: a sanitizer reports any write beyond it */
     CHECK(bytes, "the test itself has run out of memory");
     status = fmi2SerializeFMUstate(c, state, bytes, size);
     CHECK(status == fmi2OK, "serializing answers %d", status);
@@ -106,7 +106,7 @@ static struct answer serialize(struct slot *slot, fmi2Component c)
     return CALLED(status);
 }
 
-/* A copy of the serialized state with some bytes changed, or cut, or lengthened; in just its memory. */
+/* A copy of the serialized state with changed bytes or another length, in memory of the exact size. */
 static fmi2Byte *damaged(size_t *size)
 {
     *size = one_in(&chance, 3) ? below(&chance, (unsigned)serialized.size + 100) : serialized.size;
@@ -128,7 +128,7 @@ static struct answer deserialize(struct slot *slot, fmi2Component c)
         size_t size;
         fmi2Byte *const bytes = damaged(&size);
         if (size == serialized.size && memcmp(bytes, serialized.bytes, size) == 0) {
-            free(bytes); /* undone by chance */
+            free(bytes); /* the changes have cancelled */
             return NO_CALL;
         }
         status = fmi2DeSerializeFMUstate(c, (const fmi2Byte *)bytes, size, &state);

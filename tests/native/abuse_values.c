@@ -6,7 +6,7 @@
 
 #define MUCH_WORK 1e5
 
-/* Whether all references are of a kind, and none of a calculated variable unless that will do. */
+/* Return 1 if all references have a kind and, unless ``calculated_too``, none is a calculated variable. */
 static int are_all(const fmi2ValueReference *references, unsigned count, enum kind kind, int calculated_too)
 {
     for (unsigned n = 0; n < count; n++)
@@ -35,7 +35,7 @@ static struct answer get(struct slot *slot, fmi2Component c)
     return CALLED(status);
 }
 
-/* What has been set is read with the same bits; a tolerance may be that of setupExperiment. */
+/* Values that have been set are read with the same bits. A tolerance may be the one of setupExperiment. */
 static void read_back(fmi2Component c, const fmi2ValueReference *references, unsigned count, const fmi2Real *set)
 {
     fmi2Real values[MOST_REFERENCES];
@@ -63,7 +63,7 @@ static struct answer set(struct slot *slot, fmi2Component c)
         reals[n] = known ? value_for(&model.variables[references[n]]) : any_number();
         wholes[n] = one_in(&chance, 20) ? (fmi2Integer)draw(&chance) : (fmi2Integer)below(&chance, 40);
     }
-    if (!inputs && !one_in(&chance, 10)) /* parameters are set by choose_parameters */
+    if (!inputs && !one_in(&chance, 10)) /* choose_parameters sets parameters */
         return NO_CALL;
     const fmi2Status status = kind == REAL      ? fmi2SetReal(c, given, count, nothing ? NULL : reals)
                               : kind == INTEGER ? fmi2SetInteger(c, given, count, nothing ? NULL : wholes)
@@ -88,13 +88,13 @@ static struct answer strings(struct slot *slot, fmi2Component c)
     return CALLED(status);
 }
 
-/* Work of the steps so far, or 0 where the model does not tell. */
+/* Number of evaluations so far, or 0 if the model has no such output. */
 static double work_of(const struct slot *slot)
 {
     return model.tolerance_slot >= 0 && slot->stage == RUNNING ? real_value(slot->c, "rhs_evaluations") : 0.0;
 }
 
-/* An instance whose steps take long is abandoned, with its states: calls are wanted, not work. */
+/* Free an instance with long steps and its states: the test needs many calls, not long ones. */
 static void lose_patience(struct slot *slot)
 {
     while (slot->states > 0)

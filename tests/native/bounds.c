@@ -1,4 +1,4 @@
-/* Calls the kernel with every array in memory of its own, for a checker of memory to watch. */
+/* Calls the kernel with each array in separate memory, to be run under a memory checker. */
 #include "host.h"
 
 #include <stdlib.h>

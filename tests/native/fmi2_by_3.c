@@ -1,6 +1,6 @@
-/* The functions of FMI 2.0 by those of FMI 3.0, so that the same programs drive both.
+/* The functions of FMI 2.0, implemented with the functions of FMI 3.0, so that the same programs test both.
  *
- * The host it makes of them uses what the environment asks for: FMI3=event, early or update, or none of it.
+ * The environment variable FMI3 selects the features of the host: event, early, update, or none.
  */
 #include "fmi2Functions.h"
 #include "fmi3Functions.h"
@@ -33,7 +33,7 @@ static void log_message(fmi3InstanceEnvironment environment, fmi3Status status, 
                                 category, "%s", message);
 }
 
-/* What a host may do in an intermediate update, and what is rejected there. */
+/* Calls that are allowed in an intermediate update, and calls that are rejected. */
 static void look(fmi3InstanceEnvironment environment, fmi3Float64 time, fmi3Boolean set_requested,
                  fmi3Boolean get_allowed, fmi3Boolean finished, fmi3Boolean can_return, fmi3Boolean *early_return,
                  fmi3Float64 *early_return_time)
@@ -101,8 +101,8 @@ fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t c
     return (fmi2Status)fmi3SetDebugLogging(behind(component), on, count, categories);
 }
 
-/* The state before a call that is undone if it fails, for FMI 2.0 knows it as one. No part of what is tested: memory
- * is never rejected for it, and not counted.
+/* State before several calls that FMI 2.0 has as a single one. It is restored if one of them fails. It is not part of
+ * the test, so its memory is not counted and never rejected.
  */
 static fmi3FMUState before(fmi3Instance c)
 {
@@ -124,7 +124,7 @@ static void go_back(fmi3Instance c, fmi3FMUState state, int undo)
         memory.calls -= 2;
 }
 
-/* FMI 3.0 has the experiment with the beginning of initialization: it is tried, and kept until then. */
+/* In FMI 3.0 the experiment belongs to the beginning of initialization. It is tried here and stored until then. */
 fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean has_tolerance, fmi2Real tolerance, fmi2Real start,
                                fmi2Boolean has_stop, fmi2Real stop)
 {
@@ -152,7 +152,7 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component component)
                                                    made->has_stop, made->stop);
 }
 
-/* What there is to do in event mode, up to its end. */
+/* Make all calls of event mode, up to its end. */
 static fmi3Status pass_event(fmi3Instance c)
 {
     fmi3Boolean flags[5];
@@ -186,7 +186,7 @@ fmi2Status fmi2Reset(fmi2Component component)
     return (fmi2Status)fmi3Reset(behind(component));
 }
 
-/* A step, event for event, if the instance returns at them. */
+/* Make a step, event by event if the instance returns early. */
 static fmi3Status go_through(const struct component *made, double time, double step)
 {
     fmi3Boolean event = true, ends = true, early = true;
@@ -339,7 +339,7 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes
     return (fmi2Status)fmi3DeserializeFMUState(behind(component), (const fmi3Byte *)bytes, size, state);
 }
 
-/* FMI 3.0 has no such call; instead of it the tests that set rates leave them out. */
+/* FMI 3.0 has no such call, so the tests that set rates omit them. */
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueReference references[], size_t count,
                                        const fmi2Integer orders[], const fmi2Real values[])
 {
@@ -356,7 +356,7 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component, const fmi2Value
     return (fmi2Status)fmi3GetOutputDerivatives(behind(component), references, count, orders, values, count);
 }
 
-/* The adjoint derivative is asked for too: in sum both must say the same. */
+/* Call the adjoint derivative, too: both must agree. */
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2ValueReference unknowns[],
                                         size_t unknown_count, const fmi2ValueReference knowns[], size_t known_count,
                                         const fmi2Real direction[], fmi2Real derivative[])
@@ -371,7 +371,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2Value
     return (fmi2Status)status;
 }
 
-/* There is no such call in FMI 3.0, but others that are rejected in any phase. */
+/* FMI 3.0 has no such call, but other calls that are rejected in any phase. */
 fmi2Status fmi2CancelStep(fmi2Component component)
 {
     static unsigned turn;
@@ -443,7 +443,7 @@ fmi2Status fmi2GetStringStatus(fmi2Component component, const fmi2StatusKind kin
     return none(component);
 }
 
-/* The time reached is a variable. */
+/* The present time is a variable. */
 fmi2Status fmi2GetRealStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Real *value)
 {
     const fmi3ValueReference clock = reference_of("time");

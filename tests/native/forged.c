@@ -1,4 +1,4 @@
-/* Serialized states changed by somebody who makes their sum fit again: none is used as an index or a choice unseen. */
+/* Serialized states that are changed and have a correct check sum: no index or enumeration is used unchecked. */
 #include "instance.h"
 #include "snapshot.h"
 
@@ -8,9 +8,9 @@
 #include <string.h>
 #include <unistd.h>
 
-/* s: what a forged number may make long, an evaluation limit ends; what it makes endless, this */
+/* s, CPU time of a call. The evaluation limit of the kernel ends long steps; this limit ends endless loops. */
 #define TIME_LIMIT 120
-#define WRAPPER 64 /* bytes in front of the block: mark, GUID, size, sum */
+#define WRAPPER 64 /* bytes before the block: mark, GUID, size, check sum */
 
 static const double forged[] = {-1.0, 0.5, 7.5, 1e9, 1e300, 1e308, INFINITY, -INFINITY, NAN};
 #define FORGED (sizeof forged / sizeof *forged)
@@ -33,7 +33,7 @@ static struct state serialize(fmi2Component c)
     return state;
 }
 
-/* Put a number into the block, and the sum that then belongs to it. */
+/* Write a number into the block, and the new check sum. */
 static void put(struct state *state, size_t place, double value)
 {
     uint64_t sum = UINT64_C(14695981039346656037);
@@ -61,7 +61,7 @@ static int is_taken(fmi2Component c, const struct state *state)
     return 1;
 }
 
-/* A place of the block that is being forged, for the report of a call that does not return. */
+/* Position of the forged number in the block, for the report of a call that does not return. */
 static size_t forged_place;
 
 static void give_up(int signal)
@@ -70,7 +70,7 @@ static void give_up(int signal)
     fail("a call returns", "number %zu of the block is forged", forged_place);
 }
 
-/* All a host may call, whatever it answers: out of its bounds the sanitizers or the system end the program. */
+/* Call everything that a host may call and ignore the statuses. A sanitizer or the system reports a wrong access. */
 static void use(fmi2Component c)
 {
     alarm(TIME_LIMIT);
@@ -93,7 +93,7 @@ static void use(fmi2Component c)
     alarm(0);
 }
 
-/* Forge one number after the other; answers how many forged states were taken. */
+/* Forge one number after the other and return the number of accepted states. */
 static unsigned forge(fmi2Component c, struct state *state, size_t begin, size_t end)
 {
     unsigned taken = 0;
@@ -113,7 +113,7 @@ static unsigned forge(fmi2Component c, struct state *state, size_t begin, size_t
     return taken;
 }
 
-/* Attack the states of a scene; so many constants are forged one by one. */
+/* Forge the states of a scene. ``constants``: number of constants that are forged one by one. */
 static void attack(fmi2Component c, const struct setting *settings, size_t constants)
 {
     const size_t p = HEAD_SIZE, d = p + model.p_size, x = d + model.d_size + model.u_size;
@@ -123,10 +123,10 @@ static void attack(fmi2Component c, const struct setting *settings, size_t const
         CHECK(fmi2DoStep(c, n * 0.01, 0.01, fmi2True) == fmi2OK, "step");
     struct state state = serialize(c);
     CHECK(forge(c, &state, PHASE, PHASE + 1) == 0, "a phase that is none is taken");
-    CHECK(forge(c, &state, PREPARED, HEAD_SIZE) == 0, "a mark that is neither 0 nor 1 is taken");
-    put(&state, PREPARED, 0.0);
+    CHECK(forge(c, &state, STARTED, HEAD_SIZE) == 0, "a mark that is neither 0 nor 1 is taken");
+    put(&state, STARTED, 0.0);
     CHECK(!is_taken(c, &state), "a state steps with parameters that were never checked");
-    put(&state, PREPARED, 1.0);
+    put(&state, STARTED, 1.0);
     for (size_t n = 0; n < model.variable_count; n++) {
         const struct variable *variable = &model.variables[n];
         if (variable->array == PARAMETERS && variable->kind != REAL) {
@@ -143,11 +143,11 @@ static void attack(fmi2Component c, const struct setting *settings, size_t const
     for (size_t n = 0; n < model.bound_count; n++) {
         const struct bound *bound = &model.bounds[n];
         const size_t place = (bound->of == STATE ? x : d) + bound->slot;
-        CHECK(get(&state, place) <= bound->most, "a good state is within its bounds");
-        put(&state, place, 2.0 * bound->most + 1.0);
+        CHECK(get(&state, place) <= bound->maximum, "a good state is within its bounds");
+        put(&state, place, 2.0 * bound->maximum + 1.0);
         CHECK(!is_taken(c, &state), "number %zu of %s is taken beyond its bound", bound->slot,
               bound->of == STATE ? "the state" : "the constants");
-        put(&state, place, bound->most);
+        put(&state, place, bound->maximum);
         CHECK(is_taken(c, &state), "the bound itself");
         use(c);
         CHECK(fmi2Reset(c) == fmi2OK, "reset");
@@ -155,7 +155,7 @@ static void attack(fmi2Component c, const struct setting *settings, size_t const
         free(state.bytes);
         state = serialize(c);
     }
-    forge(c, &state, TOLERANCE, PREPARED);
+    forge(c, &state, TOLERANCE, STARTED);
     forge(c, &state, d, d + constants);
     forge(c, &state, x, x + model.x_size);
     free(state.bytes);
@@ -174,7 +174,7 @@ int main(void)
     signal(SIGALRM, give_up);
     attack(c, defaults, model.d_size < 200 ? model.d_size : 200);
     if (strcmp(model.name, "InertiaModule") == 0) {
-        attack(c, averaged, 200); /* the map, and the first of its rows, all alike */
+        attack(c, averaged, 200); /* the map and the first of its rows; all rows are used alike */
         attack(c, elastic, 0);
         attack(c, losses, 200);
     }

@@ -1,4 +1,4 @@
-/* A value reference between others that no variable has: gap REFERENCE. */
+/* A value reference that no variable has, between used ones: gap REFERENCE. */
 #include "host.h"
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* A host for the test programs: callbacks that count and check, numbers by chance, values by name. */
+/* A host for the test programs: callbacks that count and check, random numbers, values by name. */
 #include "host.h"
 
 #include <math.h>
@@ -21,7 +21,7 @@ void fail(const char *condition, const char *format, ...)
     exit(1);
 }
 
-/* Steele, Lea and Flood's SplitMix64 */
+/* SplitMix64 by Steele, Lea and Flood */
 uint64_t draw(struct chance *chance)
 {
     uint64_t z = chance->state += UINT64_C(0x9e3779b97f4a7c15);
@@ -45,7 +45,7 @@ double between(struct chance *chance, double low, double high)
     return low + (high - low) * ((double)(draw(chance) >> 11) * 0x1p-53);
 }
 
-/* In front of each block: its size and a mark, in as much space as keeps the block aligned. */
+/* Header of each block: its size and a mark, with a size that keeps the block aligned. */
 #define MARK UINT64_C(0x6d61726b6d61726b)
 struct block_head {
     uint64_t size;
@@ -61,7 +61,7 @@ void *counted_allocate(size_t count, size_t size)
     CHECK(block, "the test itself has run out of memory");
     block->size = count * size;
     block->mark = MARK;
-    memset(block + 1, 0xA5, count * size); /* nobody may take it for zeros */
+    memset(block + 1, 0xA5, count * size); /* so that no program relies on zeros */
     memory.blocks++;
     memory.bytes += count * size;
     if (memory.bytes > memory.most_bytes)

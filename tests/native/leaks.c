@@ -1,4 +1,4 @@
-/* Lives of instances, one after the other: leaks COUNT. For a checker of memory to watch. */
+/* Life cycles of instances, one after the other, to be run under a memory checker: leaks COUNT. */
 #include "snapshot.h"
 
 #include <stdio.h>
@@ -9,7 +9,7 @@
 
 static void initialize(fmi2Component c, unsigned long life)
 {
-    if (model.tolerance_slot >= 0) { /* kinematic, rigid and elastic in turn, averaged once in five hundred */
+    if (model.tolerance_slot >= 0) { /* kinematic, rigid and elastic in turn, averaged in one of 500 */
         static const double fidelities[] = {0.0, 2.0, 3.0};
         set_value(c, reference_of("fidelity"), life % 500 == 1 ? 1.0 : fidelities[life % 3]);
     }
@@ -17,7 +17,7 @@ static void initialize(fmi2Component c, unsigned long life)
     CHECK(fmi2EnterInitializationMode(c) == fmi2OK && fmi2ExitInitializationMode(c) == fmi2OK, "life %lu", life);
 }
 
-/* States are saved, serialized, read and restored; some are left for fmi2FreeInstance. */
+/* Save, serialize, read and restore states; fmi2FreeInstance frees some of them. */
 static void save_and_restore(fmi2Component c, unsigned long life)
 {
     fmi2FMUstate states[STATES] = {NULL};
@@ -43,7 +43,7 @@ static void live(unsigned long life)
     struct snapshot snapshot;
     const fmi2Component c = instantiate(&journal, "instance");
     CHECK(c, "life %lu", life);
-    if (life % 7 == 0) { /* freed as it is */
+    if (life % 7 == 0) { /* freed without terminate */
         fmi2FreeInstance(c);
         return;
     }

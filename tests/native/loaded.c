@@ -1,9 +1,9 @@
-/* Loads shared libraries of FMUs, as a host does, and drives an instance of each in turn.
+/* Loads shared libraries of FMUs like a host, and drives an instance of each in turn.
  *
  * Arguments: for each instance the library, the GUID, the version of FMI, the value references of the Reals to read
  * separated by commas, and settings type:reference:value (r Real, i Integer, b Boolean, e enumeration); then "--".
- * GLOBAL: whether the libraries are loaded with RTLD_GLOBAL. TRAPS: whether floating-point exceptions interrupt.
- * FLUSH: whether subnormal numbers are zero (on x86-64), as in programs of -ffast-math.
+ * Environment variables: GLOBAL loads the libraries with RTLD_GLOBAL. TRAPS lets floating-point exceptions interrupt.
+ * FLUSH sets subnormal numbers to zero (on x86-64), like programs compiled with -ffast-math.
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -49,7 +49,7 @@ static void *function(const struct loaded *loaded, const char *name)
     return found;
 }
 
-/* A function of FMI 2.0 or 3.0 by the type that its header gives it. */
+/* A function of FMI 2.0 or 3.0 with the type in its header. */
 #define CALL2(name) (*(fmi2##name##TYPE **)&(void *){function(loaded, "fmi2" #name)})
 #define CALL3(name) (*(fmi3##name##TYPE **)&(void *){function(loaded, "fmi3" #name)})
 
@@ -143,7 +143,7 @@ static int step(struct loaded *loaded, double length)
     return status;
 }
 
-/* Steps, inputs and parameters that are rejected: nothing changes. */
+/* Rejected steps, inputs and parameters change nothing. */
 static void be_rejected(struct loaded *loaded)
 {
     static const double steps[] = {0.0, -1.0, 5e-324, 1e300, 1e308, INFINITY, NAN};
@@ -220,7 +220,7 @@ static void differentiate(struct loaded *loaded)
     print_bits("rate", status, &value, 1);
 }
 
-/* Set the rates of an input: good ones, and those that are rejected. */
+/* Set valid and rejected rates of an input. */
 static void ramp(struct loaded *loaded)
 {
     static const double rates[] = {10.0, 1e300, 1e308, INFINITY, NAN};
@@ -232,7 +232,7 @@ static void ramp(struct loaded *loaded)
     }
 }
 
-/* Many steps in one call: beside FMI, the same in both versions. */
+/* Many steps in one call: an addition to FMI, equal in both versions. */
 static void take_run(struct loaded *loaded)
 {
     static const double lengths[] = {1e-3, 1e-3, 1e-3};
@@ -286,7 +286,7 @@ static int initialize(struct loaded *loaded)
     return status;
 }
 
-/* Parameters and times that are rejected before the first step. */
+/* Rejected parameters and times before the first step. */
 static void fail_to_initialize(struct loaded *loaded)
 {
     const double tolerances[] = {NAN, INFINITY, 1e308, -1.0};
@@ -351,7 +351,7 @@ static void set_environment(void)
 #endif
 }
 
-/* Whether the environment is that of set_environment, and no exception has set its flag. */
+/* Return 1 if the environment is unchanged since set_environment and no exception flag is set. */
 static int is_as_it_was(void)
 {
 #ifdef __x86_64__

@@ -1,4 +1,4 @@
-/* A host in a country of decimal commas: prints what an instance says of rejected numbers. */
+/* A host in a locale with decimal commas: prints the messages of rejected numbers. */
 #include "host.h"
 
 #include <locale.h>

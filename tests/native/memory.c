@@ -1,11 +1,11 @@
-/* What an instance asks of the host's memory, counted by its callbacks. Prints bytes: instance, with a state. */
+/* Memory of an instance, counted by the callbacks. Prints bytes: an instance, and an instance with a state. */
 #include "snapshot.h"
 
 #include <stdio.h>
 
 #define STEPS 2000
 
-/* Values set and read and steps taken, rejected ones among them, with their messages and a log of every step. */
+/* Set and read values and make steps, some of them rejected, with messages and a log of each step. */
 static void use(fmi2Component c, struct journal *journal)
 {
     const fmi2String every_step = "logSteps";

@@ -1,4 +1,4 @@
-/* A host whose Python is of a version by its own account: python_host LIBRARY [VERSION]. */
+/* A host that reports a Python version: python_host LIBRARY [VERSION]. */
 #include "fmi2Functions.h"
 
 #include <dlfcn.h>

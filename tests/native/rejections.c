@@ -1,4 +1,4 @@
-/* Refusals that random calls seldom meet. */
+/* Rejections that random calls rarely cause. */
 #include "snapshot.h"
 
 #include <math.h>
@@ -14,7 +14,7 @@ static fmi2ValueReference first_output(void)
     fail("first_output", "the model has no output");
 }
 
-/* No derivative where the input itself is none: it was answered by zero. */
+/* An input that is not finite has no derivative. An earlier version returned 0. */
 static void no_derivative_at_an_infinite_input(fmi2Component c)
 {
     const fmi2ValueReference input = 0, output = first_output();
@@ -29,7 +29,7 @@ static void no_derivative_at_an_infinite_input(fmi2Component c)
     }
 }
 
-/* A rejected step uses up neither the time reached nor the warning of a communication point that is another. */
+/* A rejected step changes neither the present time nor the single warning of a wrong communication point. */
 static void refused_steps_leave_time_and_warning(fmi2Component c, struct journal *journal)
 {
     fmi2Real time;
@@ -44,7 +44,7 @@ static void refused_steps_leave_time_and_warning(fmi2Component c, struct journal
     CHECK(journal->messages == messages + 1, "one warning");
 }
 
-/* A tolerance of setupExperiment is there from the beginning of initialization on, whatever is set or read. */
+/* A tolerance of setupExperiment is valid from the beginning of initialization, independent of other calls. */
 static void tolerance_of_the_experiment_wins(fmi2Component c)
 {
     if (model.tolerance_slot < 0)
@@ -58,7 +58,7 @@ static void tolerance_of_the_experiment_wins(fmi2Component c)
     CHECK(fmi2ExitInitializationMode(c) == fmi2OK && real_value(c, "tolerance") == 1e-4, "the experiment's has won");
 }
 
-/* After fmi2Error values can be read for debugging, as the standard has it: they are those last calculated. */
+/* After fmi2Error the last computed values can be read for debugging, as the standard requires. */
 static void values_can_be_read_after_an_error(fmi2Component c)
 {
     const fmi2ValueReference output = first_output();

@@ -1,7 +1,7 @@
 /* Runs the scenes of scenes.h on another system and prints the outputs after every step: scene, step, values.
  *
- * On Windows the library is loaded as hosts do, and nothing but the system's own runtime is needed; elsewhere
- * the FMU is linked with this program. Functions are called through pointers on both.
+ * On Windows the program loads the library like a host and needs only the runtime of the system. On other systems
+ * the FMU is linked with this program. Both call functions through pointers.
  */
 #include "fmi2Functions.h"
 #include "model.h"
@@ -41,7 +41,7 @@ static void write_text(const char *text)
     WriteFile(GetStdHandle(-11UL), text, (unsigned long)strlen(text), &written, NULL);
 }
 
-/* What GetProcAddress finds, into a pointer to a function. */
+/* Convert the result of GetProcAddress to a function pointer. */
 static int find(void *library, const char *name, void *pointer)
 {
     void *const found = GetProcAddress(library, name);

@@ -1,4 +1,4 @@
-/* All that can be read of an instance. */
+/* All readable values of an instance. */
 #include "snapshot.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* Instances in many threads at once give the bits of a single thread: threads THREADS INSTANCES. */
+/* Instances in many simultaneous threads give the bits of a single thread: threads THREADS INSTANCES. */
 #define _POSIX_C_SOURCE 200809L
 #include "snapshot.h"
 
@@ -12,9 +12,9 @@
 #define AVERAGED_EVERY 250
 
 static unsigned long instances;
-static uint64_t *expected; /* of each instance: sum over the bits of all it computes */
+static uint64_t *expected; /* check sum of all results of each instance */
 
-/* The memory callbacks that count are not made for threads: the shell's own memory is used. */
+/* The counting memory callbacks are not thread-safe, so the shell uses its default memory functions. */
 static uint64_t run(unsigned long number)
 {
     const fmi2CallbackFunctions callbacks = {NULL, NULL, NULL, NULL, NULL};
@@ -41,7 +41,7 @@ static uint64_t run(unsigned long number)
     return sum;
 }
 
-/* All instances, begun at a place of the thread's own. */
+/* Run all instances; each thread begins with another one. */
 static void *run_all(void *first)
 {
     for (unsigned long n = 0; n < instances; n++) {

@@ -1,4 +1,4 @@
-/* Stands for python3.dll, for pythonfmu's library, and for a host of both on Windows: which of them is said by a macro. */
+/* Replaces python3.dll, the library of pythonfmu, or a host of both on Windows. A macro selects one of the three. */
 #include "fmi2FunctionTypes.h"
 
 #include <windows.h>
@@ -20,7 +20,7 @@ int __stdcall begin(void *library, unsigned long reason, void *reserved)
 }
 
 #elif defined BEHIND
-/* What it is given, to the host's log. */
+/* Write the arguments to the log of the host. */
 __declspec(dllexport) fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String path,
                                                     const fmi2CallbackFunctions *callbacks, fmi2Boolean visible,
                                                     fmi2Boolean logging);

@@ -53,11 +53,11 @@ def no_brake(step):
 def test_viscous_friction_decelerates_a_coasting_shaft_exponentially(compiled):
     """The error is of first order in the step."""
     driveline.shaft_load(0.1, 0.5, viscous_friction=12.0).check_step(0.8)  # A lighter shaft is rejected below
-    friction, own, driven = 0.4, 0.1, 0.9
+    friction, hub, driven = 0.4, 0.1, 0.9
     errors = []
     for step in (0.02, 0.01):
         load = driveline.shaft_load(step, driven, friction)
-        inertia = own + load.rigid_inertia
+        inertia = hub + load.rigid_inertia
         plant = Module(compiled).start(omega1=0.0, omega_out_start=50.0, output_inertia=inertia)
         table = spin(plant, load, 2.0)
         exact = 50.0 * np.exp(-friction / inertia * table.time)
@@ -143,8 +143,8 @@ def test_elastic_vehicle_stops_and_stays_at_rest():
     plant = Shaft(0.2, drive=60.0)
     loop = driveline.ClosedLoop(plant, driveline.connect([load.system, no_brake(step)]), ["omega_out"])
 
-    def release(share):
-        if share >= 500 / 4000:
+    def release(fraction):
+        if fraction >= 500 / 4000:
             plant.drive = 0.0
 
     speeds = loop.run(40.0, release)["vehicle_speed"]
@@ -484,8 +484,8 @@ def test_urban_cycle_has_the_published_sums():
     seconds, before = Counter(), 0.0
     for duration, speed in zip(np.diff(CYCLE.time), CYCLE.speed[1:], strict=True):
         constant = "gear-changing" if duration == 2.0 else "steady speed" if speed else "idling"
-        lower = "deceleration" if speed else "clutch disengaged"
-        seconds[constant if speed == before else lower if speed < before else "acceleration"] += duration
+        falling = "deceleration" if speed else "clutch disengaged"
+        seconds[constant if speed == before else falling if speed < before else "acceleration"] += duration
         before = speed
     published = {"idling": 60.0, "acceleration": 36.0, "gear-changing": 8.0, "steady speed": 57.0}
     assert seconds == published | {"deceleration": 25.0, "clutch disengaged": 9.0}

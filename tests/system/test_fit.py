@@ -227,10 +227,10 @@ def measured():
 
 @pytest.fixture(scope="module")
 def offset(fmu, measured, tmp_path_factory):
-    given = with_column(measured, omega_out=measured["omega_out"] + np.pi / 3.0)
+    shifted = with_column(measured, omega_out=measured["omega_out"] + np.pi / 3.0)
     folder = tmp_path_factory.mktemp("offset")
-    fit = studies.fit(given, SCENE, FREE, output=folder, fmu=fmu)
-    return fit, studies.fit(given, SCENE, {**FREE, "offset.omega_out": None}, output=folder, fmu=fmu)
+    fit = studies.fit(shifted, SCENE, FREE, output=folder, fmu=fmu)
+    return fit, studies.fit(shifted, SCENE, {**FREE, "offset.omega_out": None}, output=folder, fmu=fmu)
 
 
 def test_correct_data_have_no_cause_and_intervals_name_the_released_parameters(example_fit):
@@ -253,7 +253,7 @@ def test_correct_data_have_no_cause_and_intervals_name_the_released_parameters(e
 
 def test_sensor_offset_is_named_and_estimated_if_free(offset, rig):
     fit, free_fit = offset
-    assert [one.name for one in fit.causes] == ["offset.omega_out"]
+    assert [cause.name for cause in fit.causes] == ["offset.omega_out"]
     (sentence,) = (line for line in fit.warnings if "would explain" in line)
     assert sentence.startswith("an offset of 1.0")
     assert "chi-squared " in sentence
@@ -289,9 +289,9 @@ def test_shift_of_the_clock_is_estimated(fmu, true_scene, measured, tmp_path):
 
 def test_wrong_unit_is_named_for_a_column_and_for_all(fmu, measured, tmp_path):
     wrong = {name: measured[name] * 30.0 / np.pi for name in ("omega2", "omega_out")}
-    one = studies.fit(with_column(measured, omega2=wrong["omega2"]), SCENE, FREE, output=tmp_path, fmu=fmu)
-    assert one.causes[0].name == "gain.omega2"
-    assert any("its numbers are in rpm, not in rad/s" in line for line in one.warnings)
+    single = studies.fit(with_column(measured, omega2=wrong["omega2"]), SCENE, FREE, output=tmp_path, fmu=fmu)
+    assert single.causes[0].name == "gain.omega2"
+    assert any("its numbers are in rpm, not in rad/s" in line for line in single.warnings)
     all_wrong = studies.fit(with_column(measured, **wrong), SCENE, FREE, output=tmp_path, fmu=fmu)
     for name in wrong:
         words = "the unfitted scene computes; possible cause: its numbers are in rpm, not in rad/s"
@@ -312,7 +312,7 @@ def test_unmodelled_loss_is_named_and_other_intervals_widen(fmu, rig, lossy_data
     mass = fit["imbalance_mass"]
     assert mass.interval_if_exact[0] > 1.15
     assert mass.interval[0] < 1.13 < mass.interval[1]
-    assert "mechanism.output_friction" in [one.name for one in fit.causes]
+    assert "mechanism.output_friction" in [cause.name for cause in fit.causes]
     priors = {"mesh_efficiency": "0.97 +- 0.01", "link2_friction": "0.02 +- 0.02"}
     free = {**FREE, "output_friction": (0.0, 0.2), **priors}
     free_fit = studies.fit(lossy_data, SCENE, free, output=tmp_path, fmu=fmu)
@@ -334,10 +334,10 @@ def test_prior_of_an_unidentifiable_key_is_unchanged(fmu, true_scene, tmp_path):
 
 
 def test_prior_is_not_reported_as_a_cause_or_bound(fmu, true_scene, tmp_path):
-    so = {"output_inertia": "0.5 +- 0", "load.torque": "10 N.m +- 0", "offset.omega2": "0.5 rad/s +- 0"}
-    fit = studies.fit(MEASURED, true_scene, {"imbalance_mass": None, **so}, output=tmp_path, fmu=fmu)
-    assert [one.name for one in fit.parameters] == ["mechanism.imbalance_mass"]
-    names = {one.name for one in fit.candidates}
+    fixed = {"output_inertia": "0.5 +- 0", "load.torque": "10 N.m +- 0", "offset.omega2": "0.5 rad/s +- 0"}
+    fit = studies.fit(MEASURED, true_scene, {"imbalance_mass": None, **fixed}, output=tmp_path, fmu=fmu)
+    assert [cause.name for cause in fit.parameters] == ["mechanism.imbalance_mass"]
+    names = {candidate.name for candidate in fit.candidates}
     assert not names & {"mechanism.output_inertia", "load.torque", "offset.omega2"}
     assert "mechanism.mesh_efficiency" in names
     # The known offset of the sensor is subtracted.
@@ -346,15 +346,15 @@ def test_prior_is_not_reported_as_a_cause_or_bound(fmu, true_scene, tmp_path):
     with pytest.raises(
         InertiaModuleError, match="at least one key must be free; a deviation of 0 fixes a key"
     ):
-        studies.fit(MEASURED, true_scene, so, output=tmp_path, fmu=fmu)
+        studies.fit(MEASURED, true_scene, fixed, output=tmp_path, fmu=fmu)
 
 
 def test_wrong_radius_is_named_or_tied(fmu, rig, tmp_path):
     from benchmarks import fit as benchmark
 
-    one = benchmark.wrong_radius(rig.true_speeds(), 0, np.random.default_rng(0))
-    scene = load_scene(SCENE).with_keys(dict(one.changes))
-    file = write_columns(tmp_path / "measured.csv", one.columns)
+    case = benchmark.wrong_radius(rig.true_speeds(), 0, np.random.default_rng(0))
+    scene = load_scene(SCENE).with_keys(dict(case.changes))
+    file = write_columns(tmp_path / "measured.csv", case.columns)
     fit = studies.fit(file, scene, FREE, output=tmp_path, fmu=fmu)
     assert "mechanism.sun_radius" in [cause.name for cause in fit.causes]
     likelihoods = [cause.likelihood_ratio for cause in fit.causes]
@@ -374,7 +374,7 @@ def delayed_columns(fmu, scene, names, times, late=()):
     """Return columns of a scene at times, shape (times, names); `late` is the delay of each sensor, s."""
     table = Result.from_columns({"time": times} | dict.fromkeys(names, 0.0 * times))
     with Rig(scene, measurement(table, scene), fmu) as rig:
-        return rig.computed({f"shift.{name}": one for name, one in zip(names, late, strict=False)})
+        return rig.computed({f"shift.{name}": delay for name, delay in zip(names, late, strict=False)})
 
 
 def test_shifted_column_of_any_kind_is_read_earlier(fmu):

@@ -127,15 +127,15 @@ def test_orders_above_the_maximum_do_not_alias():
     assert result.amplitude["x"].max() < 2e-3
 
 
-@pytest.mark.parametrize("turning", [0.0, 1.0])
-def test_line_of_varying_order_is_a_single_line_with_its_amplitude(turning):
+@pytest.mark.parametrize("offset", [0.0, 1.0])
+def test_line_of_varying_order_is_a_single_line_with_its_amplitude(offset):
     turned = np.arange(0.0, 200.0, 0.01)
     drive = 1.7 * turned - 0.5 * turned**2 / 400.0  # 1.7 turns per turn at the start, 1.2 at the end
-    swing = 3.0 * np.cos(math.tau * (drive + turning * turned)) + 0.5 * np.cos(math.tau * 5.5 * turned)
+    swing = 3.0 * np.cos(math.tau * (drive + offset * turned)) + 0.5 * np.cos(math.tau * 5.5 * turned)
     table = Result.from_columns({"time": turned, "input_speed": 0.0 * turned + math.tau, "x": swing})
     first, second = spectra(table, turned, ["x"], drive=drive).largest(2)["x"]
     assert first.amplitude == pytest.approx(3.0, rel=0.05)
-    assert (first.low, first.high) == pytest.approx((1.24 + turning, 1.66 + turning), abs=0.03)
+    assert (first.low, first.high) == pytest.approx((1.24 + offset, 1.66 + offset), abs=0.03)
     assert (second.order, second.low, second.high) == pytest.approx((5.5, 5.5, 5.5))
     assert second.amplitude == pytest.approx(0.5, rel=0.02)
     # The order of the line over the turns of link 1 does not show this amplitude.
@@ -189,7 +189,7 @@ def test_signals_with_the_same_amplitudes_share_a_row_of_the_figure():
 # --- modules whose lines follow from their geometry ---
 
 
-def test_orders_of_r1_held_follow_from_its_teeth(fmu):
+def test_orders_of_r1_with_held_link_2_follow_from_its_teeth(fmu):
     """The reduced inertia consists of functions of 2 q and of s q, with s = z17 / z6."""
     result = studies.orders(held(stop=4.0), fmu, signals=["mesh_torque"], turns=20.0, highest=9.0)
     s = 1.7
@@ -201,7 +201,7 @@ def test_orders_of_r1_held_follow_from_its_teeth(fmu):
         assert lines[order] == pytest.approx(expected[order], rel=1e-3)
 
 
-def test_output_torque_of_a_planar_module_held_is_a_sine_rectified(fmu):
+def test_output_torque_of_a_held_planar_module_is_a_rectified_sine(fmu):
     scene = held(**PLANAR)
     k, expected = imbalance_lines(scene, 1)
     (sine,) = expected.values()
@@ -239,7 +239,7 @@ def test_example_shows_the_orders_and_the_speed_of_the_resonance(fmu):
     assert all(line.speed > 220.0 for line in lines)
 
 
-def test_pulses_faster_than_the_steps_of_a_scene_are_recorded_in_shorter_ones(fmu):
+def test_fast_pulses_are_recorded_in_shorter_steps(fmu):
     """Steps of 10 ms alias the pulses of 27 to 53 Hz. Car and controller keep these steps."""
     scene = load_scene(example("engine_launch")).replaced(run={"stop_time": 4.0})
     coarse = studies.orders(scene, fmu, signals=["output_torque"], turns=16.0)
@@ -254,7 +254,7 @@ def test_pulses_faster_than_the_steps_of_a_scene_are_recorded_in_shorter_ones(fm
     assert line.amplitude == pytest.approx(reference.amplitude, rel=0.05)
 
 
-def test_the_module_in_shorter_steps_moves_as_in_the_steps_of_the_scene(fmu):
+def test_shorter_steps_do_not_change_the_motion(fmu):
     scene = load_scene(example("engine_launch")).replaced(run={"stop_time": 2.0})
     recorder = order_run._Recorder(scene, fmu, 0.0, 2.0, None)
     once, often = recorder.record(), recorder.record(20)
@@ -264,7 +264,7 @@ def test_the_module_in_shorter_steps_moves_as_in_the_steps_of_the_scene(fmu):
 
 
 def test_aliases_are_below_the_smallest_listed_line(fmu):
-    """Half the step moves no line by more than the smallest listed share."""
+    """With half the step no line changes by more than the smallest listed fraction."""
     scene = held(2.0, **PLANAR)
     first = studies.orders(scene, fmu, signals=["output_torque"], highest=8.0)
     shorter = scene.replaced(run={"communication_step": 0.5 * first.step})
@@ -349,7 +349,7 @@ def test_components_of_the_bearing_force_are_two_circles(fmu, omega1):
     for axis in "yz":
         lines = result.largest(2)[f"satellite_force_{axis}"]
         for line in lines:
-            order = min(expected, key=lambda one: abs(one - line.order))
+            order = min(expected, key=lambda expected_order: abs(expected_order - line.order))
             assert line.order == pytest.approx(order, abs=0.02)
             assert line.amplitude == pytest.approx(expected[order], rel=5e-3)
         phases.append(next(line.phase for line in lines if line.order < 1.5))

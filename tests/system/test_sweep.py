@@ -197,7 +197,7 @@ def test_killed_worker_loses_no_results(slow_scene, fmu, cluster, tmp_path):
     with Client(cluster.address) as client:
         client.wait_for_workers(3, timeout=60)
 
-    def kill_worker(share):
+    def kill_worker(fraction):
         if victims:
             os.kill(victims.pop().pid, signal.SIGKILL)
 
@@ -441,8 +441,8 @@ def test_search_reports_a_better_design_of_another_seed(spec, fmu, cluster, tmp_
         for keys in searches
     )
     doubt = "dominated by another search"
-    assert not any(doubt in one.doubts for one in long.finalists)
-    worse = [one for one in brief.finalists if doubt in one.doubts]
+    assert not any(doubt in finalist.doubts for finalist in long.finalists)
+    worse = [finalist for finalist in brief.finalists if doubt in finalist.doubts]
     assert worse
     assert worse[0].doubts[doubt].startswith("a better design has ")
     assert f"caveat: {doubt}" in brief.lines(worse[0])

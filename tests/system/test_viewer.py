@@ -84,7 +84,7 @@ def test_slider_changes_the_run_like_simulate(page):
     assert np.abs(page.column("omega_out") - before).max() > 0.5
 
 
-def test_slider_of_an_engagement_angle_lets_link_2_turn_back_and_takes_power(page):
+def test_engagement_angle_lets_link_2_turn_back_and_loses_power(page):
     """The drawn backlash is the angle that link 2 can turn back until the housing freewheel locks."""
     assert (page.column("omega2").min() >= -1e-9, np.abs(page.column("energy_lost")).max()) == (True, 0.0)
     page.page.evaluate("document.querySelectorAll('details').forEach(group => { group.open = true; })")
@@ -171,7 +171,7 @@ def test_clock_curves_and_switches_agree(page):
     assert mark["x"] + mark["width"] / 2 - over["x"] == pytest.approx(time * over["width"], abs=2)
     curves.click(position={"x": 0.75 * over["width"], "y": 20})
     assert page.state("time") == pytest.approx(0.75, abs=0.01)
-    # Steps go from switch to switch. A pulse can be repeated.
+    # The buttons step from event to event. One pulse can be repeated.
     scrub(page, "0")
     switches = page.column("time")[1:][np.diff(page.column("contact_mode")) != 0]
     for expected in switches[:3]:
@@ -296,8 +296,8 @@ def test_view_turns_by_keys_and_buttons_and_names_do_not_overlap(page):
     for boxes in seen:
         for n, box in enumerate(boxes):
             for other in boxes[:n]:
-                apart = box["left"] >= other["right"] or other["left"] >= box["right"]
-                assert apart or box["top"] >= other["bottom"] or other["top"] >= box["bottom"]
+                is_apart = box["left"] >= other["right"] or other["left"] >= box["right"]
+                assert is_apart or box["top"] >= other["bottom"] or other["top"] >= box["bottom"]
 
 
 def test_keyboard_works(page):
@@ -418,17 +418,17 @@ def test_first_picture_and_frames_are_quick(browser, written):
         session = page.context.new_cdp_session(page)
         session.send("Performance.enable", {"timeDomain": "threadTicks"})
 
-        def spent(what):
+        def metric(name):
             metrics = session.send("Performance.getMetrics")["metrics"]
-            return next(metric["value"] for metric in metrics if metric["name"] == what)
+            return next(item["value"] for item in metrics if item["name"] == name)
 
         opened = Opened(page, written(REFERENCE)).integrated()
-        assert spent("TaskDuration") < 1.5
+        assert metric("TaskDuration") < 1.5
         page.wait_for_timeout(2000)
-        before = spent("ScriptDuration")
+        before = metric("ScriptDuration")
         page.evaluate("window.drawn = 0; (function count() { drawn++; requestAnimationFrame(count); })()")
         page.wait_for_function("drawn > 20")
-        frame = (spent("ScriptDuration") - before) / page.evaluate("drawn")
+        frame = (metric("ScriptDuration") - before) / page.evaluate("drawn")
         assert 0 < frame < 8e-3
         assert opened.state("playing")
 
@@ -454,10 +454,10 @@ def test_slow_frames_lower_the_resolution_and_a_picture_at_rest_is_sharp_and_not
     page.page.evaluate(SLOW_FRAMES)
 
     def wait_for(condition):
-        page.page.wait_for_function(f"given => {condition}", arg=full, polling=50)
+        page.page.wait_for_function(f"full => {condition}", arg=full, polling=50)
 
     page.press("Play")
-    wait_for("inertiaModule.state().pixelRatio === 0.5 * given")
+    wait_for("inertiaModule.state().pixelRatio === 0.5 * full")
     before = page.page.evaluate(counts)
     page.page.wait_for_timeout(2000)
     frames, calls, moves = np.subtract(page.page.evaluate(counts), before)
@@ -465,7 +465,7 @@ def test_slow_frames_lower_the_resolution_and_a_picture_at_rest_is_sharp_and_not
     assert 0 < calls < 30 * frames
     assert 0 < moves < 0.8 * frames
     page.press("Pause")
-    wait_for("inertiaModule.state().pixelRatio >= given")
+    wait_for("inertiaModule.state().pixelRatio >= full")
     page.page.wait_for_timeout(300)
     before = page.page.evaluate(counts)
     page.page.wait_for_timeout(500)
@@ -613,14 +613,14 @@ def test_memory_does_not_grow_over_a_thousand_instances(still):
 EXAMPLES = ROOT / "examples"
 ENGINE = EXAMPLES / "engine.toml"
 COARSE = Path(__file__).with_name("coarse.toml")
-MOST_BYTES = 2_500_000
+MAX_BYTES = 2_500_000
 
 
 def check_page(page):
     """Check that the page opens from disk, sends no requests and is small enough."""
     page.page.wait_for_timeout(500)
     assert (page.errors, page.requests) == ([], [])
-    assert page.path.stat().st_size < MOST_BYTES
+    assert page.path.stat().st_size < MAX_BYTES
 
 
 def table_of(scene, fmu, folder):
@@ -677,7 +677,7 @@ def test_run_writes_the_page_next_to_its_table(fmu, tmp_path):
     printed = stdout_of("run", REFERENCE, "--view", "--json", "--fmu", fmu, "-o", tmp_path)
     assert json.loads(printed)["files"]["page"] == str(tmp_path / "page.html")
     assert "drive_turns" not in Result.from_csv(tmp_path / "table.csv")
-    assert (tmp_path / "page.html").stat().st_size < MOST_BYTES
+    assert (tmp_path / "page.html").stat().st_size < MAX_BYTES
 
 
 def test_impossible_page_or_report_is_rejected_before_the_run(tmp_path, monkeypatch):

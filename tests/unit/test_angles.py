@@ -139,6 +139,6 @@ def test_highest_harmonic_is_the_highest_there_is(layout, z17, satellites):
 @given(distance=st.floats(1e-12, 1e-4))
 def test_inertia_near_the_rolling_point_keeps_its_digits(distance):
     d = started("plain").derived
-    curvature = 2.0 * d.mass * d.s**2 * d.spin
+    curvature = 2.0 * d.mass * d.s**2 * d.spin_square
     g = reduced_inertia(d, distance)[4]
     assert g == pytest.approx(0.5 * curvature * distance**2, rel=1e-13 + 10.0 * distance**2)

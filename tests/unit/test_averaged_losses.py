@@ -313,9 +313,9 @@ def test_random_machines_below_the_speed_at_which_friction_takes_the_stall_torqu
         except InertiaModuleError:
             continue  # The meshes jam.
         side = module.derived.forward if direction > 0.0 else module.derived.backward
-        machines += side.slow > 0.0
-        for _ in range(4 if side.slow > 0.0 else 0):
-            omega1 = math.copysign(side.slow * math.exp(draw.uniform(-3.5, 0.0)), direction)
+        machines += side.v0 > 0.0
+        for _ in range(4 if side.v0 > 0.0 else 0):
+            omega1 = math.copysign(side.v0 * math.exp(draw.uniform(-3.5, 0.0)), direction)
             ratio = draw.uniform(0.02, 0.98) * min(side.end, 1.0)
             if max(errors_below_balance(values, omega1, ratio)) > 0.02:
                 off[number] = omega1, ratio, values
@@ -326,7 +326,7 @@ def test_random_machines_below_the_speed_at_which_friction_takes_the_stall_torqu
 @pytest.mark.parametrize("losses", SLOW)
 def test_a_machine_too_slow_for_its_friction_brakes_as_its_pulses_do(compiled, mechanism, losses):
     values = {**MECHANISMS[mechanism], **SLOW[losses]}
-    slow = Module(compiled).start(**values, fidelity=1).derived.forward.slow
+    slow = Module(compiled).start(**values, fidelity=1).derived.forward.v0
     for share, ratio in product((1.5, 9.0, 100.0), (0.1, 0.9)):
         omega1 = slow / share
         (means, *_, turned), (pulses, *_) = (
@@ -343,7 +343,7 @@ def test_a_machine_too_slow_for_its_friction_brakes_as_its_pulses_do(compiled, m
 @pytest.mark.parametrize("losses", CRAWLING)
 def test_slow_links_balance_friction_and_drag(compiled, mechanism, direction, losses):
     values = {**MECHANISMS[mechanism], **CRAWLING[losses]}
-    omega1 = direction * Module(compiled).start(**values, fidelity=1).derived.forward.slow / 99.0
+    omega1 = direction * Module(compiled).start(**values, fidelity=1).derived.forward.v0 / 99.0
     means, pulses = (of(compiled, values, omega1, 0.9) for of in (of_map, of_pulses))
     assert means[0] == pytest.approx(pulses[0], rel=0.02)
     assert means[3] == pytest.approx(pulses[3], abs=0.02)

@@ -120,9 +120,9 @@ def test_equal_instances_share_a_map(compiled, monkeypatch):
 
 
 def test_sizes_of_the_map_agree_with_the_grid():
-    assert len(torque_map.RATIOS) == fields.RATIOS
-    assert torque_map.SLOWNESSES == fields.SLOWNESSES
-    assert len(torque_map.LOSSES) == fields.LOSSES
+    assert len(torque_map.RATIOS) == fields.N_RATIOS
+    assert torque_map.SLOWNESSES == fields.N_SLOWNESSES
+    assert len(torque_map.LOSSES) == fields.N_LOSSES
     column = started("plain").derived.forward.columns[0]
     for n in range(len(column.numbers)):
         column.numbers[n] = n
@@ -210,7 +210,7 @@ def read_surface(side, s, z, place=torque_map.TORQUE):
 
 
 def test_surface_of_parabolas_is_exact(side):
-    side.slow = 1.0
+    side.v0 = 1.0
     side.slowness[:] = [(m / (torque_map.SLOWNESSES - 1)) ** 0.5 for m in range(torque_map.SLOWNESSES)]
     for column, ratio in zip(side.columns, torque_map.RATIOS, strict=True):
         for m, z in enumerate(side.slowness):
@@ -234,7 +234,8 @@ def test_slownesses_are_added_around_a_kink(side, kink):
     write_torques()
     while count < torque_map.SLOWNESSES:
         worst = max(
-            range(count - torque_map.N_EVEN), key=lambda m: torque_map.interpolation_error(side, m, count)
+            range(count - torque_map.N_FRICTION_ONLY),
+            key=lambda m: torque_map.interpolation_error(side, m, count),
         )
         torque_map.insert_slowness(side, worst, count)
         count += 1

@@ -16,8 +16,8 @@ from inertia_module.kernel.impulse import apply_plastic_impact, jump_input, solv
 from inertia_module.kernel.inertia import reduced_inertia
 from inertia_module.kernel.links import kinetic_energy, momentum_of_links
 
-OUTPUT_FREEWHEEL = SimpleNamespace(output=1.0)
-NO_OUTPUT_FREEWHEEL = SimpleNamespace(output=0.0)
+OUTPUT_FREEWHEEL = SimpleNamespace(output_freewheel=1.0)
+NO_OUTPUT_FREEWHEEL = SimpleNamespace(output_freewheel=0.0)
 J2, J3 = 0.3, 0.4  # kg m^2
 # Two inertias without imbalance: torques and accelerations have closed forms.
 TWO_INERTIAS = {"imbalance_mass": 0.0, "link2_inertia": J2, "output_inertia": J3}
@@ -129,12 +129,12 @@ def test_jump_of_the_input_loses_no_energy(layout, ratio):
         assert x.energy_in - x.energy_out == pytest.approx(gain, abs=1e-12 * scale)
 
 
-@pytest.mark.parametrize("wheel", ["housing", "output"])
-def test_freewheel_inside_its_engagement_angle_has_no_impact(wheel):
-    module = started("plain", TWO_INERTIAS, {f"{wheel}_engagement_angle": 0.05}, omega1=20.0)
+@pytest.mark.parametrize("freewheel", ["housing", "output"])
+def test_freewheel_inside_its_engagement_angle_has_no_impact(freewheel):
+    module = started("plain", TWO_INERTIAS, {f"{freewheel}_engagement_angle": 0.05}, omega1=20.0)
     d, x = module.derived, module.state
-    setattr(x, f"play_{wheel}", 0.05)
-    x.omega2, x.omega3 = (-2.0, 3.0) if wheel == "housing" else (8.0, 1.0)
+    setattr(x, f"play_{freewheel}", 0.05)
+    x.omega2, x.omega3 = (-2.0, 3.0) if freewheel == "housing" else (8.0, 1.0)
     speeds = x.omega2, x.omega3
     apply_plastic_impact(d, x)
     assert (x.omega2, x.omega3) == speeds
@@ -173,15 +173,15 @@ def test_output_freewheel_unlocks_when_it_pulls_with_more_than_its_drag(fraction
     assert select(load, 10.0, 10.0, output_drag=drag).mode == mode
 
 
-@pytest.mark.parametrize("wheel", ["housing", "output"])
-def test_freewheel_inside_its_engagement_angle_transmits_no_torque(wheel):
-    module = started("plain", TWO_INERTIAS, {f"{wheel}_engagement_angle": 0.05}, omega1=20.0)
+@pytest.mark.parametrize("freewheel", ["housing", "output"])
+def test_freewheel_inside_its_engagement_angle_transmits_no_torque(freewheel):
+    module = started("plain", TWO_INERTIAS, {f"{freewheel}_engagement_angle": 0.05}, omega1=20.0)
     x = module.state
     x.load_torque, x.omega2, x.omega3 = 7.0, 0.0, 0.0
-    setattr(x, f"play_{wheel}", 0.05)
+    setattr(x, f"play_{freewheel}", 0.05)
     select_mode(module.derived, x, 0.0)
-    assert getattr(x, f"{wheel}_state") <= states.OVERRUNNING
-    assert getattr(x.now, wheel) == 0.0
+    assert getattr(x, f"{freewheel}_state") <= states.OVERRUNNING
+    assert getattr(x.now, freewheel) == 0.0
 
 
 @pytest.mark.parametrize("layout", SCENES)
@@ -212,7 +212,7 @@ def test_modes_are_all_different():
     module = started("plain", SCENES["bevel"], omega1=0.0, journal_friction=0.1)
     x = module.state
     x.omega1 = x.omega2 = x.omega3 = 0.0
-    module.derived.turning = 1.0  # Springs and engagement angles are active.
+    module.derived.freewheel_angles = 1.0  # Springs and engagement angles are active.
     modes = set()
     for number in range(N_MODES):
         set_mode(module.derived, x, number)

@@ -14,13 +14,13 @@ from inertia_module.kernel.events.error import error_norm, write_scales
 
 
 def first_pulse(compiled, scene, speed, tolerance=1e-10):
-    """Return the unloaded shaft at this speed, during the first pulse of link 2."""
+    """Return a module after the first pulse of link 2, with an unloaded output at this initial speed."""
     quiet = {"load_torque": 0.0, "drive_angle_start": 0.5, "omega_out_start": speed}
     return advanced(started(compiled, scene, quiet, tolerance=tolerance), 0.045)
 
 
 def test_pulse_tangent_to_the_shaft_speed_is_located(compiled, scene):
-    # The shaft speed that link 2 reaches exactly, to the last bit.
+    # Bisection of the output speed that link 2 just reaches, to the last bit.
     touched, missed = 0.0, 1e3
     while touched < 0.5 * (touched + missed) < missed:
         speed = 0.5 * (touched + missed)
@@ -29,15 +29,15 @@ def test_pulse_tangent_to_the_shaft_speed_is_located(compiled, scene):
         else:
             missed = speed
     assert 1.0 < missed < 900.0
-    unhurt = first_pulse(compiled, scene, 2.0 * missed)
-    for parts in (0.0, 1e-15, 1e-13, 1e-10, 1e-7, 1e-4):
-        for speed in (touched * (1.0 - parts), missed * (1.0 + parts)):
+    undisturbed = first_pulse(compiled, scene, 2.0 * missed)
+    for deviation in (0.0, 1e-15, 1e-13, 1e-10, 1e-7, 1e-4):
+        for speed in (touched * (1.0 - deviation), missed * (1.0 + deviation)):
             module = first_pulse(compiled, scene, speed)
-            assert speed <= module["omega_out"] <= speed * (1.0 + parts) * (1.0 + 1e-9)
+            assert speed <= module["omega_out"] <= speed * (1.0 + deviation) * (1.0 + 1e-9)
             assert module["contact_switches"] <= 10
-            assert module["omega2"] == pytest.approx(unhurt["omega2"], abs=1e-6 + 1e3 * parts)
+            assert module["omega2"] == pytest.approx(undisturbed["omega2"], abs=1e-6 + 1e3 * deviation)
             assert abs(module["energy_residual"]) < 1e-8 * module["energy_stored"]
-            for tolerance in (1e-3, 1e-6, 1e-9, 1e-12) if parts < 1e-12 else ():
+            for tolerance in (1e-3, 1e-6, 1e-9, 1e-12) if deviation < 1e-12 else ():
                 end = first_pulse(compiled, scene, speed, tolerance)["omega_out"]
                 assert end == pytest.approx(speed, rel=10.0 * tolerance + 1e-9)
 

@@ -74,7 +74,7 @@ def evaluated(values, mode, chance):
     x.slip_sign = 1.0 if m.omega1 >= m.omega2 else -1.0
     x.load_torque = chance.uniform(-5.0, 5.0)
     evaluate(d, x, chance.uniform(-5.0, 5.0), x.load_torque, False)
-    x.flow_sign, x.spin_signs = m.flow_sign, m.spin_signs
+    x.flow_sign, x.tau6_signs = m.flow_sign, m.tau6_signs
     return module
 
 
@@ -124,17 +124,17 @@ def test_mesh_signs_agree_with_the_torques(chance, satellites, drive):
     for _ in range(20):
         module = evaluated({**LAYOUTS["bevel, askew"], **losses, **drive}, FREE, chance)
         d, x, m = module.derived, module.state, module.derived.machine
-        assert m.flow_sign * m.torque >= 0.0
-        terms = list(m.spun_by[:satellites])
+        assert m.flow_sign * m.flow_torque >= 0.0
+        terms = list(m.mesh_friction_by[:satellites])
         assert all(term >= 0.0 for term in terms) or satellites == 1
-        assert sum(terms) == pytest.approx(m.spun, rel=1e-12)
+        assert sum(terms) == pytest.approx(m.mesh_friction, rel=1e-12)
         # With these fixed signs the solution is the same.
         alpha1, alpha2, prescribed = m.alpha1, m.alpha2, m.drive if d.by_torque else m.alpha1
         evaluate(d, x, prescribed, x.load_torque, True)
         assert (m.alpha1, m.alpha2) == pytest.approx((alpha1, alpha2), rel=1e-9)
 
 
-def test_mesh_torque_with_link_2_held_by_hand(chance):
+def test_mesh_torque_of_a_held_link_2_is_the_closed_form(chance):
     """M2 = k [G q'' + G' q'^2 / 2 + B alpha1 - I' omega1^2 / 2] without losses."""
     module = started("plain", LAYOUTS["bevel, askew"])
     d, x, m = module.derived, module.state, module.derived.machine
@@ -148,7 +148,7 @@ def test_mesh_torque_with_link_2_held_by_hand(chance):
     assert m.housing == pytest.approx(-mesh, rel=1e-12)
 
 
-def test_every_bit_of_the_mode_can_be_toggled():
+def test_sign_of_each_satellite_can_be_toggled():
     for signs in range(16):
         for n in range(6):
             assert toggle_bit(float(signs), n) == signs ^ (1 << n)

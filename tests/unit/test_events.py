@@ -13,12 +13,12 @@ from inertia_module.kernel.fields import WORKSPACE
 H = 0.1
 
 
-def step_of(rate, start, which=guards.HOUSING):
-    """Return constants, state and workspace of a step H; `slip` is the slip of a freewheel by its rate."""
+def step_with_indicator(rate, start, which=guards.HOUSING):
+    """Return the records of a step H in which an indicator has this rate over time and this start value."""
     module = started("plain", SCENES["bevel"], omega2_start=5.0, omega_out_start=10.0)
     w = record_type(WORKSPACE)()
     w.step, w.pair = H, tableau.DOP853_ROW
-    indicator = w.watched[which]
+    indicator = w.indicators[which]
     nodes = tableau.NODES[: tableau.N_STAGES]
     for n, node in enumerate(nodes):
         indicator.rate[n] = rate(H * node)
@@ -30,7 +30,7 @@ def step_of(rate, start, which=guards.HOUSING):
 
 @pytest.mark.parametrize("root", [1e-4, 0.013, 0.05, 0.0999])
 def test_root_of_a_falling_speed_is_located(root):
-    d, x, w = step_of(lambda t: -2.0, 2.0 * root)
+    d, x, w = step_with_indicator(lambda t: -2.0, 2.0 * root)
     zero = 1e-13
     sigma = location.first_fall(d, x, w, guards.HOUSING, zero)
     assert sigma * H == pytest.approx(root, abs=4e-13)
@@ -39,37 +39,37 @@ def test_root_of_a_falling_speed_is_located(root):
 
 def test_first_of_several_roots_is_located():
     """cos(40 t) falls through zero at pi / 80 and again at 5 pi / 80, beyond the step."""
-    d, x, w = step_of(lambda t: -40.0 * math.sin(40.0 * t), 1.0)
+    d, x, w = step_with_indicator(lambda t: -40.0 * math.sin(40.0 * t), 1.0)
     sigma = location.first_fall(d, x, w, guards.HOUSING, 1e-13)
     assert sigma * H == pytest.approx(math.pi / 80.0, rel=1e-3)
     assert guards.fitted_guard(x, w, guards.HOUSING, sigma) == pytest.approx(-2e-13, abs=1.01e-13)
 
 
-@pytest.mark.parametrize("least", [1e-6, 0.1])
-def test_speed_that_stays_positive_has_no_event(least):
-    d, x, w = step_of(lambda t: 800.0 * (t - 0.05), 1.0 + least)
+@pytest.mark.parametrize("minimum", [1e-6, 0.1])
+def test_speed_that_stays_positive_has_no_event(minimum):
+    d, x, w = step_with_indicator(lambda t: 800.0 * (t - 0.05), 1.0 + minimum)
     assert location.first_fall(d, x, w, guards.HOUSING, 1e-13) == -1.0
 
 
 def test_dip_wider_than_two_samples_is_located():
     """(t - 0.05)^2 - (H / 12)^2 falls below zero between two of its roots."""
     root = 0.05 - H / 12.0
-    d, x, w = step_of(lambda t: 2.0 * (t - 0.05), 0.05**2 - (H / 12.0) ** 2)
+    d, x, w = step_with_indicator(lambda t: 2.0 * (t - 0.05), 0.05**2 - (H / 12.0) ** 2)
     sigma = location.first_fall(d, x, w, guards.HOUSING, 1e-15)
     assert sigma * H == pytest.approx(root, rel=1e-9)
 
 
 def test_indicator_far_from_zero_or_growing_has_no_event():
-    _, x, w = step_of(lambda t: -2.0, 10.0)
+    _, x, w = step_with_indicator(lambda t: -2.0, 10.0)
     assert guards.is_clear(x, w, guards.HOUSING)
-    _, x, w = step_of(lambda t: 2.0, 0.0)
+    _, x, w = step_with_indicator(lambda t: 2.0, 0.0)
     assert guards.is_clear(x, w, guards.HOUSING)
-    _, x, w = step_of(lambda t: -2.0, 0.1)
+    _, x, w = step_with_indicator(lambda t: -2.0, 0.1)
     assert not guards.is_clear(x, w, guards.HOUSING)
 
 
-def test_freewheel_opens_and_closes_at_its_condition(compiled, scene):
-    """At each switch a torque or a slip is zero to 1e-9 of the values before."""
+def test_speeds_and_torques_satisfy_the_conditions_of_the_freewheels(compiled, scene):
+    """After each step no slip is negative, and no freewheel torque is negative beyond round-off."""
     module = started(compiled, scene, tolerance=1e-9)
     for _ in range(50):
         advanced(module, 1e-3)

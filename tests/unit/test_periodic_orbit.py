@@ -60,8 +60,8 @@ def test_mean_energy_and_power_balance(shape, ratio):
     assert x.energy_in == pytest.approx(x.output_impulse * 10.0 * ratio, abs=1e-5 * 100.0 * w.orbit_energy)
     if ratio == 0.0:
         number = 4000
-        whole = sum(inertia_at_input(d, length * n / number) for n in range(number)) / number
-        assert w.orbit_energy == pytest.approx(50.0 * whole, rel=1e-3)
+        mean_inertia = sum(inertia_at_input(d, length * n / number) for n in range(number)) / number
+        assert w.orbit_energy == pytest.approx(50.0 * mean_inertia, rel=1e-3)
         assert time == pytest.approx(length / (10.0 * d.k), rel=1e-8)
 
 
@@ -93,7 +93,7 @@ def test_maximum_is_the_closed_form_of_the_planar_module():
 
 
 @pytest.mark.parametrize("omega1", [10.0, -10.0])
-def test_by_torque_a_period_keeps_its_energy_and_has_the_mean_input_speed(omega1):
+def test_torque_driven_orbit_has_a_periodic_energy_and_the_mean_input_speed(omega1):
     module = started("plain", PLANAR, ENGINE, drive=1, input_inertia=0.13)
     d, w = module.derived, module._records[5]
     x = record_type(fields.STATE)()
@@ -118,6 +118,6 @@ def test_period_without_rest_of_link_2_is_closed(ratio):
     assert 0.0 < x.begin_omega2 < 20.0 * ratio
 
 
-def test_rejected_parameter_removes_the_orbit():
+def test_invalid_start_speed_is_rejected():
     with pytest.raises(InertiaModuleError, match="omega_out_start"):
         orbit(PLANAR, 10.0, 0.5, output_freewheel=0)

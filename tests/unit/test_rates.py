@@ -1,7 +1,7 @@
 """Test each rate of the kernel with differences at random states.
 
-The rates determine whether a dip of an event indicator is searched, and the contact mode after a tie. A wrong
-rate costs steps, or has an effect only in rare motions. test_averaged_map.py tests rates of fidelity
+The rates determine the dense output of the event indicators, and the contact mode after a tie. A wrong rate
+causes more steps, or has an effect only in rare motions. test_averaged_map.py tests rates of fidelity
 averaged, test_angles.py rates of the inertia, and test_multibody.py the motion of the imbalance.
 """
 
@@ -25,7 +25,7 @@ from inertia_module.kernel.tableau import DOP853_LAST_STAGE, DOP853_ROW, N_STAGE
 from verification.stability.motion import solve_at
 
 MODES = [HELD, FREE, DRIVING, HELD_DRIVING]
-# Phase of the highest harmonic in a step, rad; the dense output is as exact as differences then.
+# Phase of the highest harmonic in a step, rad. In such a step the dense output is as accurate as differences.
 PHASE = 0.2
 
 
@@ -54,8 +54,8 @@ def in_mode(values, mode, chance):
     module = started("plain", values)
     x, d = module.state, module.derived
     x.mode = mode
-    x.q, x.omega1, x.omega2, given, x.load_torque, _ = random_motion(chance)
-    x.alpha1 = x.drive_torque = given
+    x.q, x.omega1, x.omega2, prescribed, x.load_torque, _ = random_motion(chance)
+    x.alpha1 = x.drive_torque = prescribed
     x.omega2 = 0.0 if mode in (HELD, HELD_DRIVING) else abs(x.omega2)
     x.omega3 = x.omega2 if mode in (DRIVING, HELD_DRIVING) else x.omega2 + chance.uniform(0.1, 2.0)
     x.twist, x.relative = chance.uniform(-0.1, 0.1), chance.uniform(-1.0, 1.0)
@@ -66,7 +66,7 @@ def in_mode(values, mode, chance):
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_guards_in_an_explicit_step(values, chance, mode):
+def test_dense_output_of_the_indicators_agrees_with_the_equations_of_motion(values, chance, mode):
     d, x, w, step = in_mode(values, mode, chance)
     x.housing_state = LOCKED if mode in (HELD, HELD_DRIVING) else OVERRUNNING
     x.output_state = LOCKED if mode in (DRIVING, HELD_DRIVING) else OVERRUNNING
@@ -75,21 +75,21 @@ def test_guards_in_an_explicit_step(values, chance, mode):
     make_step(d, x, w, DOP853_ROW, step)
     evaluate_stages(d, x, w, DOP853_LAST_STAGE + 1, N_STAGES - 1)
     for which in range(2):
-        fit_dense_output(w.step, w.watched[which].rate, w.watched[which].dense)
+        fit_dense_output(w.step, w.indicators[which].rate, w.indicators[which].dense)
         for sigma in (0.2, 0.5, 0.8):
             value = exact_guard(d, x, w, which, sigma)
             assert fitted_guard(x, w, which, sigma) == pytest.approx(value, rel=1e-6, abs=1e-9)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_ties_keep_the_contact_mode(chance, sign):
-    # Link 1 is at rest at an angle with F = 0; F increases or decreases when it starts to turn.
+def test_tie_is_decided_by_the_rate_of_the_mesh_torque(chance, sign):
+    # At q = 0 the mesh torque is 0. It then increases or decreases with the sign of omega1.
     module = started("plain", SCENES["bevel"], omega1=0.0)
     d, x = module.derived, module.state
     x.q = 0.0
     x.omega1 = 100.0 * sign
     x.alpha1 = x.load_torque = 0.0
-    still = {"omega1": x.omega1, "omega2": 0.0}
-    rate = difference(lambda t: solve_at(module, True, False, q=d.k * x.omega1 * t, **still).mesh)
+    speeds = {"omega1": x.omega1, "omega2": 0.0}
+    rate = difference(lambda t: solve_at(module, True, False, q=d.k * x.omega1 * t, **speeds).mesh)
     select_mode(d, x, 0.0)
     assert x.mode == (DRIVING if rate > 0.0 else HELD_DRIVING)

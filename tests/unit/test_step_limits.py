@@ -65,7 +65,7 @@ def test_linearly_extrapolated_hub_speed_must_stay_within_its_limits(compiled):
 
 
 @pytest.mark.parametrize("fidelity", [0, 2, 3])
-def test_more_internal_steps_than_a_step_may_take_are_rejected_at_once(compiled, fidelity):
+def test_step_with_too_many_internal_steps_is_rejected_at_once(compiled, fidelity):
     module = started(compiled, omega1=100.0, load_torque=10.0, fidelity=fidelity, max_step=1e-300)
     assert "it requires more than 5e7 right-hand-side evaluations" in rejected_at_once(module.advance, 1e-3)
 
@@ -92,15 +92,15 @@ def test_constants_of_a_state_are_evaluated_again(compiled, number):
 
 
 @pytest.mark.parametrize("number", NUMBERS)
-@pytest.mark.parametrize("field", ["spin_signs", "mode"])
-def test_state_with_a_fractional_counter_is_rejected(compiled, field, number):
+@pytest.mark.parametrize("field", ["tau6_signs", "mode"])
+def test_state_with_an_invalid_enumeration_is_rejected(compiled, field, number):
     module = advanced(started(compiled, omega1=100.0, mesh_efficiency=0.98), 1e-3)
     setattr(module.state, field, number)
     saved = module.save()
     assert rejected_at_once(Module(compiled).restore, saved) == INVALID_STATE
 
 
-def test_a_state_whose_parameters_do_not_go_together_is_rejected(compiled):
+def test_state_with_invalid_combinations_of_parameters_is_rejected(compiled):
     module = advanced(started(compiled, omega1=100.0), 1e-3)
     module.parameters.omega2_start = 1.0  # The value exceeds the speed of the output shaft.
     assert rejected_at_once(Module(compiled).restore, module.save()) == INVALID_STATE

@@ -172,8 +172,8 @@ def test_flat_tables_have_the_rows_of_the_pairs(pair):
 
 
 def test_records_have_room_for_all_stages_and_the_dense_output():
-    assert fields.STAGES == tableau.N_STAGES
-    assert 3 + len(DOP853.D) == fields.DENSE
+    assert fields.N_STAGES == tableau.N_STAGES
+    assert 3 + len(DOP853.D) == fields.N_DENSE
 
 
 def test_errors_of_the_long_pair_begin_at_their_first_stage():

@@ -231,7 +231,7 @@ def imbalance_inertia(derived: Any) -> float:
         derived: constants of a module.
     """
     radius = derived.pole_offset + 2.0 * derived.pole_arm
-    return float(derived.mass * derived.k**2 * (radius * radius + derived.spin))
+    return float(derived.mass * derived.k**2 * (radius * radius + derived.spin_square))
 
 
 @dataclass

@@ -13,7 +13,7 @@ from ..kernel import codes
 from .archive import TEMPLATES, render
 
 # fields of the state: length of the last step, and a flag for a stop at a switching event
-SWITCH_FIELDS = ("length", "switching")
+SWITCH_FIELDS = ("length", "event_pending")
 ARRAYS = {PARAMETER: "PARAMETERS", INPUT: "INPUTS"}
 RECORDS = {"d": "CONSTANTS", "x": "STATE"}
 # operations of the kernel (kernel.codes) that the FMI functions call

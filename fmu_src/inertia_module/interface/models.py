@@ -58,7 +58,7 @@ def interface(table: Iterable[Variable]) -> tuple[tuple[str, ...], ...]:
     assert units == ("rad/s", *["N.m"] * (len(units) - 1)), "kernel/inputs.py takes one speed, then torques"
     return (
         tuple(variable.name for variable in parameters),
-        tuple(name + ending for ending in ("", "_rate", "_rate_given") for name in names),
+        tuple(name + ending for ending in ("", "_rate", "_has_rate") for name in names),
         tuple(variable.name for variable in outputs),
     )
 
@@ -127,13 +127,13 @@ class Model:
     @property
     def switches(self) -> bool:
         """True for a model with freewheels, whose steps can end at a freewheel switching event."""
-        return "switching" in self.records[3]
+        return "event_pending" in self.records[3]
 
     def place(self, name: str) -> int:
         """Return the place of a field in its record, doubles.
 
         Args:
-            name: name of a variable; or name of an input with "_rate" or "_rate_given" at its end.
+            name: name of a variable; or name of an input with "_rate" or "_has_rate" at its end.
         """
         variable = self.by_name.get(name)
         return place(self.records[RECORD_OF[variable.causality if variable else INPUT]], name)
@@ -194,7 +194,7 @@ INERTIA_MODULE = Model(
     bounds=(
         Bound("x", place(fields.STATE, "mode"), codes.HELD_DRIVING),
         # one bit for the sign of each satellite's spin
-        Bound("x", place(fields.STATE, "spin_signs"), 2 ** int(variables.BY_NAME["satellites"].ends[1])),
+        Bound("x", place(fields.STATE, "tau6_signs"), 2 ** int(variables.BY_NAME["satellites"].ends[1])),
     ),
     terminals=variables.TERMINALS,
 )

@@ -1,4 +1,7 @@
-"""Arrays, and angles wrapped into one period by its exact length, so that turns lose no digits."""
+"""Arrays, and angles that are wrapped into one period.
+
+The length of the period is exact to two doubles, so many revolutions lose no digits.
+"""
 
 import math
 
@@ -35,15 +38,15 @@ def copy(target: Doubles, source: Doubles) -> None:
 
 
 def wrap(angle: float, period: float, period_low: float) -> tuple[float, float]:
-    """Bring an angle into [0, period], rad.
+    """Wrap an angle into [0, period].
 
     Args:
         angle: rad.
-        period: leading part of the period, rad.
-        period_low: rest of the period that one double cannot hold, rad.
+        period: Leading part of the period, rad.
+        period_low: Remainder of the period, which one double cannot hold, rad.
 
     Returns:
-        (angle, number of periods removed).
+        (angle, number of periods removed); rad and 1.
     """
     rest = angle % period if angle >= 0.0 else -(-angle % period)  # of the sign of angle: exact
     periods = float(math.floor((angle - rest) / period + 0.5))
@@ -58,21 +61,21 @@ def wrap(angle: float, period: float, period_low: float) -> tuple[float, float]:
 
 
 def wrap_drive_angle(d: Constants, x: State) -> None:
-    """Keep q within a period; count the whole turns removed."""
+    """Wrap q into a period and count the revolutions removed."""
     if not 0.0 <= x.q < d.period:
         x.q, periods = wrap(x.q, d.period, d.period_low)
         x.drive_turns += d.period_turns * periods
 
 
 def wrap_input_angle(x: State) -> None:
-    """Keep theta1 within a turn; count the turns removed."""
+    """Wrap theta1 into a revolution and count the revolutions removed."""
     if not 0.0 <= x.theta1 < TWO_PI:
         x.theta1, periods = wrap(x.theta1, TWO_PI, TWO_PI_LOW)
         x.input_turns += periods
 
 
 def turn_output(x: State) -> None:
-    """Add the angle of the step to the angle of the output shaft; keep it within a turn and count turns."""
+    """Add the angle of the step to the angle of the output shaft, wrap it and count revolutions."""
     x.output_angle += x.turned3
     if not 0.0 <= x.output_angle < TWO_PI:
         x.output_angle, turns = wrap(x.output_angle, TWO_PI, TWO_PI_LOW)

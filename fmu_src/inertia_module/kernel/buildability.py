@@ -1,7 +1,7 @@
 """Warnings of mechanisms that can be computed but not built (mechanics.md, Motion).
 
 Clearance is checked between the pitch circles (planar layout) and pitch cones (bevel layout) of one module.
-No rigid body has an inertia above the sum of its other two.
+A gear is too flat if its axial inertia exceeds the sum of its two transverse inertias: no body has this.
 The deprecated value of `method` has a warning, too.
 """
 

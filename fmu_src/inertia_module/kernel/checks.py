@@ -7,11 +7,11 @@ from .parameters import min_inertia_ratio
 from .records import Constants
 
 SINGULAR_RATIO = 1e-12  # An inertia below this fraction of its maximum counts as zero
-MIN_STIFFNESS = 1e-2  # N m/rad, of a freewheel that winds up
+MIN_STIFFNESS = 1e-2  # N m/rad, of the spring of a freewheel
 
 
 def check_torque_drive(d: Constants) -> int:
-    """Return the status of parameters that a given torque of link 1 requires.
+    """Return the status of the requirements of torque-driven operation.
 
     Args:
         d: Constants.
@@ -25,8 +25,8 @@ def check_torque_drive(d: Constants) -> int:
     return codes.OK
 
 
-def check_level(d: Constants) -> int:
-    """Return the status of parameters that fidelity averaged does not support.
+def check_averaged(d: Constants) -> int:
+    """Return the status of the requirements of fidelity averaged.
 
     Args:
         d: Constants.
@@ -35,7 +35,7 @@ def check_level(d: Constants) -> int:
         return codes.OK
     if d.windage > 0.0:
         return codes.WINDAGE_UNSUPPORTED
-    if d.housing == 0.0 or d.output == 0.0:
+    if d.housing_freewheel == 0.0 or d.output_freewheel == 0.0:
         return codes.FREEWHEELS_REQUIRED
     return codes.OK
 
@@ -59,7 +59,7 @@ def check_start_speeds(d: Constants) -> int:
 
 
 def check_combinations(d: Constants) -> int:
-    """Return the status of parameters together, except for self-locking meshes.
+    """Return the status of all combinations except self-locking meshes and a light link 1.
 
     Args:
         d: Constants.
@@ -70,8 +70,8 @@ def check_combinations(d: Constants) -> int:
     if status != codes.OK:
         return status
     if d.fidelity == codes.KINEMATIC:
-        return codes.BACKLASH_UNSUPPORTED if d.plays != 0.0 else codes.OK
-    status = check_level(d)
+        return codes.BACKLASH_UNSUPPORTED if d.backlash != 0.0 else codes.OK
+    status = check_averaged(d)
     if status != codes.OK:
         return status
     if not min_inertia_ratio(d) > SINGULAR_RATIO:
@@ -86,7 +86,7 @@ def check_parameters(d: Constants) -> int:
         d: Constants (parameters.derive_constants).
     """
     status = check_combinations(d)
-    if status == codes.OK and d.losses + d.lossy != 0.0 and is_self_locking(d):
+    if status == codes.OK and d.losses + d.averaged_losses != 0.0 and is_self_locking(d):
         return codes.SELF_LOCKING
     if status == codes.OK and d.fidelity == codes.AVERAGED and is_light_input(d):
         return codes.LIGHT_INPUT

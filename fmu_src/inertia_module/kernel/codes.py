@@ -17,14 +17,14 @@ ELASTIC = 3
 EVENT = 0
 TIMESTEPPING = 1
 
-# Quantity that is prescribed at link 1
+# Values of the parameter drive: the quantity that is prescribed at link 1
 DRIVE_SPEED = 0
 DRIVE_TORQUE = 1
 
 # Operations of the entry of a kernel (entry.call)
 START = 0  # End of the initialisation
 STEP = 1  # One communication step with all outputs
-CHECK = 2  # The checks of START only; writes the constants d only
+CHECK = 2  # The checks of START only; writes only d, with the map of averaged if it has been overwritten
 STEP_ONLY = 3  # STEP without the late outputs, which can take longer than the step
 OUTPUTS = 4  # The late outputs after STEP_ONLY
 STEP_FOR_DIFFERENCING = 5  # STEP at a tight tolerance, for differences of its results
@@ -33,11 +33,11 @@ WARN = 7  # Returns the sum of the warnings; writes nothing
 UPDATE_PARAMETERS = 8  # After a change of tunable parameters between steps
 STEP_UNTIL_EVENT = 9  # STEP_ONLY that ends before the first freewheel switching event
 HANDLE_EVENT = 10  # The event at which STEP_UNTIL_EVENT has ended (the next step does the same)
-# START in the periodic orbit of the rigid module with its output held at omega_out_start; the step is the
-# angle of the pinion shaft that counts as a period, rad
-STEADY = 11
+# START in the periodic orbit of the rigid module with its output held at omega_out_start. The argument h is
+# the angle of the pinion shaft in a period, rad
+START_STEADY = 11
 
-# Warnings, which can be added
+# Warnings: powers of 2, so that a sum can contain several
 PLANAR_OVERLAP = 1
 BEVEL_OVERLAP = 2
 PLANAR_OUTSIDE = 4

@@ -38,7 +38,10 @@ def update_alpha1(d: Constants, x: State) -> None:
 
 
 def update_motion(d: Constants, x: State) -> None:
-    """Write the prescribed speed of link 2, or the contact mode and alpha1, after a change of parameters."""
+    """Update speeds or the contact mode after a change of parameters.
+
+    Fidelity kinematic: the prescribed speed of link 2. Rigid and elastic: the contact mode and alpha1.
+    """
     if d.fidelity == KINEMATIC:
         impose_ratio(d, x)
         x.mode = DRIVING
@@ -49,12 +52,12 @@ def update_motion(d: Constants, x: State) -> None:
 
 def handle_pending_event(d: Constants, x: State) -> None:
     """Select the contact mode if the last step has stopped just before an event."""
-    if x.switching == 0.0:
+    if x.event_pending == 0.0:
         return
     x.step_evaluations = 0.0
     select_mode_after_event(d, x)
     x.evaluations += x.step_evaluations
-    x.switching = 0.0
+    x.event_pending = 0.0
     x.torques_continue = 1.0
     update_alpha1(d, x)
 
@@ -77,7 +80,7 @@ def switch_or_stop(d: Constants, x: State, w: Workspace, can_stop: bool) -> bool
     Args:
         d: Constants.
         x: State.
-        w: Workspace; ``stops`` is read, ``kept`` is written.
+        w: Workspace; ``stops`` is read, ``saved`` is written.
         can_stop: True if the communication step may end here.
 
     Returns:
@@ -85,22 +88,23 @@ def switch_or_stop(d: Constants, x: State, w: Workspace, can_stop: bool) -> bool
     """
     x.rates_cached = 0.0
     if w.stops != 0.0:
-        copy(w.kept.numbers, x.numbers)
+        copy(w.saved.numbers, x.numbers)
     has_changed = select_mode_after_event(d, x)
     if not has_changed:
-        x.step_size *= 0.5  # The dense output is too coarse for the event indicators
-    is_switch = x.mode != w.kept.mode or x.slip_sign != w.kept.slip_sign
-    stops = w.stops != 0.0 and can_stop and has_changed and is_switch
-    if stops:
-        copy(x.numbers, w.kept.numbers)
-        x.switching = 1.0
-    return stops
+        x.step_size *= 0.5  # The dense output was too inaccurate for the event indicators
+    if w.stops == 0.0 or not can_stop or not has_changed:
+        return False
+    if x.mode == w.saved.mode and x.slip_sign == w.saved.slip_sign:
+        return False  # A freewheel has changed its state but not whether it transmits torque
+    copy(x.numbers, w.saved.numbers)
+    x.event_pending = 1.0
+    return True
 
 
 def run_events(d: Constants, x: State, w: Workspace, h: float) -> int:
     """Integrate from event to event over the time h, s, or up to the first event, and return the status."""
     if h > MAX_EVALUATIONS * d.max_step:
-        return TOO_MUCH_WORK  # Each internal step takes an evaluation or more
+        return TOO_MUCH_WORK  # Each internal step needs at least one evaluation
     start1 = x.omega1
     time = 0.0
     event = False

@@ -10,7 +10,8 @@ from .codes import (
     OUTPUTS,
     RIGID,
     START,
-    STEADY,
+    START_STEADY,
+    STEP,
     STEP_UNTIL_EVENT,
     UPDATE_PARAMETERS,
     WARN,
@@ -19,12 +20,12 @@ from .engine import handle_pending_event, update_motion
 from .links import fastest_rate
 from .outputs import write_late_outputs, write_outputs
 from .records import Constants, Inputs, Outputs, Parameters, State, Workspace
-from .step import advance, restore, start, start_steady, tune
+from .step import advance, check_and_restore_map, start, start_steady, update_parameters
 
 DIFFERENCING_PHASE = 1e-4  # rad of the fastest motion, length of a differencing step
 N_DIFFERENCING_TRIALS = 3  # A trial in which a freewheel switches is repeated with shorter steps
-DIFFERENCING_RETRY_FACTOR = 0.01  # On the length of the steps
-MIN_FREQUENCY = 1.0  # rad/s
+DIFFERENCING_RETRY_FACTOR = 0.01  # Length of the steps over their length in the last trial
+MIN_FREQUENCY = 1.0  # rad/s, of the fastest motion of a mechanism near rest
 
 
 def extrapolate_inputs(u: Inputs, x: State) -> None:
@@ -36,11 +37,11 @@ def extrapolate_inputs(u: Inputs, x: State) -> None:
     """
     u.omega1 = x.omega1
     u.omega1_rate = x.alpha1
-    u.omega1_rate_given = 1.0
+    u.omega1_has_rate = 1.0
     u.load_torque = x.load_torque
-    u.load_torque_rate_given = 0.0
+    u.load_torque_has_rate = 0.0
     u.drive_torque = x.drive_torque
-    u.drive_torque_rate_given = 0.0
+    u.drive_torque_has_rate = 0.0
 
 
 def write_output_rates(d: Constants, u: Inputs, x: State, y: Outputs, w: Workspace) -> int:
@@ -65,21 +66,21 @@ def write_output_rates(d: Constants, u: Inputs, x: State, y: Outputs, w: Workspa
     write_outputs(x, y)
     write_late_outputs(d, x, y)
     h = DIFFERENCING_PHASE / max(fastest_rate(d, x), MIN_FREQUENCY)
-    copy(w.kept.numbers, x.numbers)
+    copy(w.saved.numbers, x.numbers)
     copy(w.outputs_0.numbers, y.numbers)
     for trial in range(N_DIFFERENCING_TRIALS):
         if trial > 0:
-            copy(x.numbers, w.kept.numbers)
+            copy(x.numbers, w.saved.numbers)
             h *= DIFFERENCING_RETRY_FACTOR
         extrapolate_inputs(u, x)
-        status = advance(d, u, x, y, w, h, OUTPUT_DERIVATIVES)
+        status = advance(d, u, x, y, w, h, STEP)
         copy(w.outputs_1.numbers, y.numbers)
         if status == OK:
             extrapolate_inputs(u, x)
-            status = advance(d, u, x, y, w, h, OUTPUT_DERIVATIVES)
+            status = advance(d, u, x, y, w, h, STEP)
         if status != OK:
             return status
-        if x.switches == w.kept.switches:
+        if x.switches == w.saved.switches:
             break
     # y begins with the outputs that have derivatives (interface/models.py)
     count = len(w.outputs_0.numbers)
@@ -109,7 +110,7 @@ def call(
         x: State.
         y: Outputs and local variables.
         w: Workspace; nothing in it survives the call.
-        h: Length of the communication step, s.
+        h: Length of the communication step, s; for START_STEADY an angle, rad.
 
     Returns:
         Status, or the sum of the warnings for WARN.
@@ -118,13 +119,13 @@ def call(
     if operation == START:
         return start(p, d, u, x, y, w)
     if operation == CHECK:
-        return restore(p, d, u, w)
-    if operation == STEADY:
+        return check_and_restore_map(p, d, u, w)
+    if operation == START_STEADY:
         return start_steady(p, d, u, x, y, w, h)
     if operation == WARN:
         return buildability_warnings(p)
     if operation == UPDATE_PARAMETERS:
-        return tune(p, d, x, w)
+        return update_parameters(p, d, x, w)
     if operation == OUTPUTS:
         write_late_outputs(d, x, y)
         return OK

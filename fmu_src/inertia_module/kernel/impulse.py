@@ -16,7 +16,7 @@ from .records import Constants, State
 
 def has_rigid_housing_contact(d: Constants, x: State) -> bool:
     """Return True if the housing freewheel can transmit an impulse: it is rigid and without backlash now."""
-    return d.housing != 0.0 and d.housing_stiffness == 0.0 and x.play_housing == 0.0
+    return d.housing_freewheel != 0.0 and d.housing_stiffness == 0.0 and x.play_housing == 0.0
 
 
 def has_rigid_output_contact(d: Constants, x: State) -> bool:
@@ -57,7 +57,7 @@ def solve_impact(
     is_separating = reduced_mass * (free2 - free3) <= 0.0
     if housing_contact and free2 <= 0.0:
         is_separating = free3 > 0.0
-    if d.output != 0.0 and (is_separating or not output_contact):
+    if d.output_freewheel != 0.0 and (is_separating or not output_contact):
         if housing_contact and free2 <= 0.0:
             return 0.0, free3, 0.0, HELD
         return free2, free3, 0.0, FREE
@@ -153,7 +153,7 @@ def jump_input(d: Constants, x: State, jump: float) -> tuple[float, float]:
         end2 = end3 = d.kinematic_ratio * target
         change = end2 - omega2
     else:
-        locked3 = inertia3 if d.output == 0.0 else 0.0
+        locked3 = inertia3 if d.output_freewheel == 0.0 else 0.0
         inertia2 = d.J2 + d.k * d.k * g + locked3
         change = d.k * (b + d.k * g) * jump / inertia2
         housing_contact, output_contact = has_rigid_housing_contact(d, x), has_rigid_output_contact(d, x)
@@ -194,14 +194,14 @@ def apply_plastic_impact(d: Constants, x: State) -> None:
     """
     i, _, b, _, g, _ = reduced_inertia(d, x.q)
     inertia3 = d.J3
-    locked3 = inertia3 if d.output == 0.0 else 0.0
+    locked3 = inertia3 if d.output_freewheel == 0.0 else 0.0
     omega2, omega3 = x.omega2, x.omega3
     inertia2 = inertia_of_link2(d, i, b, g) + locked3
     housing_contact, output_contact = has_rigid_housing_contact(d, x), has_rigid_output_contact(d, x)
     end2, end3, output, _ = solve_impact(
         d, inertia2, omega2, inertia3 - locked3, omega3, housing_contact, output_contact
     )
-    if d.output == 0.0:
+    if d.output_freewheel == 0.0:
         output = inertia3 * (end3 - omega3)
     change2 = end2 - omega2
     change1 = 0.0

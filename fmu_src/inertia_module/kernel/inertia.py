@@ -46,7 +46,7 @@ def reduced_inertia(d: Constants, q: float) -> ReducedInertia:
     cos_b = 1.0 - versed
     pole_arm = d.pole_arm
     pole = d.pole_offset + pole_arm * versed
-    spin = d.spin
+    spin = d.spin_square
     g = mass * (spin * sin_b * sin_b + pole * pole) + d.J16
     g1 = 2.0 * mass * s * sin_b * (spin * cos_b + pole * pole_arm)
     x, y, z, x1, y1, z1, _, y2, z2 = bevel_imbalance_position(d, sin_a, cos_a, sin_b, cos_b)
@@ -56,14 +56,14 @@ def reduced_inertia(d: Constants, q: float) -> ReducedInertia:
         return i, i1, 0.0, 0.0, g, g1
     i = mass * (y * y + z * z)
     i1 = 2.0 * mass * (y * y1 + z * z1)
-    if d.bodies != 0.0:
-        i += d.body_i * cos_a * cos_a
-        i1 -= 2.0 * d.body_i * cos_a * sin_a
+    if d.gear_inertia != 0.0:
+        i += d.gear_i * cos_a * cos_a
+        i1 -= 2.0 * d.gear_i * cos_a * sin_a
     if d.satellites > 1.0:
         return i, i1, 0.0, 0.0, g, g1
     b = mass * (y * z1 - z * y1)
     b1 = mass * (y * z2 - z * y2)
-    if d.bodies != 0.0:
-        b += d.body_b * cos_a
-        b1 -= d.body_b * sin_a
+    if d.gear_inertia != 0.0:
+        b += d.gear_b * cos_a
+        b1 -= d.gear_b * sin_a
     return i, i1, b, b1, g, g1

@@ -1,7 +1,7 @@
-"""Inputs of a communication step: checks, hold and rates, initialisation of the sums of the step.
+"""Inputs of a communication step: checks, hold and rates. The sums over the step begin at 0.
 
 The record u has all inputs, then the rate of each, then a flag for each rate (1 if it is set).
-The first input is a speed, the others are torques (contract.models.interface checks this order).
+The first input is a speed, the others are torques (interface.models checks this order).
 """
 
 from .codes import BAD_HOLD, BAD_INPUT, BAD_RATE, BAD_STEP, DRIVE_SPEED, OK
@@ -12,7 +12,7 @@ from .records import Constants, Inputs, ShaftInputs, ShaftState, State
 MAX_SPEED = 1e5  # rad/s
 MAX_TORQUE = 1e7  # N m
 MAX_STEP = 1e6  # s
-MIN_STEP = 1e-30  # s, below any round-off of the importer's time; rates over it can still be squared
+MIN_STEP = 1e-30  # s, below any round-off of the importer's time; the square of its inverse does not overflow
 MAX_INPUTS = (MAX_SPEED, MAX_TORQUE, MAX_TORQUE)  # Maximum magnitude of each input
 
 # reset_sums clears the sums by their positions
@@ -56,7 +56,7 @@ def check_hold(hold: float, x: ShaftState | State, speed: float, has_rate: float
 
     Args:
         hold: Parameter input_hold; 0 keeps the input constant over the step.
-        x: State with held_input and the length of the last step.
+        x: State with last_input_speed and the length of the last step.
         speed: Input speed, rad/s.
         has_rate: Not 0 if the rate of the speed is set, which then replaces the extrapolation.
         h: Length of the step, s.
@@ -64,7 +64,7 @@ def check_hold(hold: float, x: ShaftState | State, speed: float, has_rate: float
     if hold == 0.0 or has_rate != 0.0 or x.length == 0.0:
         return OK
     # abs(speed + change / length * h) <= limit, without a division
-    extrapolated = abs(speed * x.length + (speed - x.held_input) * h)
+    extrapolated = abs(speed * x.length + (speed - x.last_input_speed) * h)
     return OK if extrapolated <= MAX_SPEED * x.length else BAD_HOLD
 
 
@@ -77,7 +77,7 @@ def update_held_speed(
 
     Args:
         hold: Parameter input_hold; 0 keeps the input constant over the step.
-        x: State with held_input (written) and the length of the last step.
+        x: State with last_input_speed (written) and the length of the last step.
         speed: Input speed at the beginning of the step, rad/s.
         has_rate: Not 0 if the rate is set.
         rate: Rate of the input speed, rad/s^2.
@@ -86,8 +86,8 @@ def update_held_speed(
     if has_rate != 0.0:
         slope = rate
     elif hold != 0.0 and x.length > 0.0:
-        slope = (speed - x.held_input) / x.length
-    x.held_input = speed
+        slope = (speed - x.last_input_speed) / x.length
+    x.last_input_speed = speed
     return slope
 
 
@@ -119,9 +119,9 @@ def read_inputs(d: Constants, u: Inputs, x: State, h: float) -> float:
     prescribed, load = prescribed_at_input(d, x), x.load_torque
     if d.drive == DRIVE_SPEED:
         jump = u.omega1 - x.omega1
-        x.alpha1 = update_held_speed(d.input_hold, x, u.omega1, u.omega1_rate_given, u.omega1_rate)
-    x.load_torque = mean_torque(u.load_torque, u.load_torque_rate_given, u.load_torque_rate, h)
-    x.drive_torque = mean_torque(u.drive_torque, u.drive_torque_rate_given, u.drive_torque_rate, h)
+        x.alpha1 = update_held_speed(d.input_hold, x, u.omega1, u.omega1_has_rate, u.omega1_rate)
+    x.load_torque = mean_torque(u.load_torque, u.load_torque_has_rate, u.load_torque_rate, h)
+    x.drive_torque = mean_torque(u.drive_torque, u.drive_torque_has_rate, u.drive_torque_rate, h)
     if prescribed_at_input(d, x) != prescribed or x.load_torque != load:
         x.torques_continue = 0.0
     x.length = h

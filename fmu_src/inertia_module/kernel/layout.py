@@ -39,9 +39,9 @@ def bevel_imbalance_position(
 
     Args:
         d: Constants.
-        sin_a: sine of A.
+        sin_a: Sine of A.
         cos_a: Cosine of A.
-        sin_b: sine of B.
+        sin_b: Sine of B.
         cos_b: Cosine of B.
 
     Returns:
@@ -131,7 +131,7 @@ def imbalance_motion(
         azimuth: Angle of the satellite from satellite 0 about the pinion shaft (bevel) or Ox (planar), rad.
 
     Returns:
-        nine doubles: position (m), velocity (m/s), acceleration (m/s^2).
+        Nine doubles: position (m), velocity (m/s), acceleration (m/s^2).
     """
     if d.planar != 0.0:
         theta1 += azimuth

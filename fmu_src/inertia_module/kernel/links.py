@@ -1,6 +1,6 @@
-"""Effective inertia of links 1 and 2 at both ends, scales of torques and speeds, the elastic shaft.
+"""Inertia, momentum and energy of links 1 and 2, scales of torques and speeds, and the elastic shaft.
 
-It is behind the output freewheel (mechanics.md):
+The elastic shaft connects the hub of the output freewheel (omega3) with the driven mass (omega4):
 
     Ts = c delta + d (omega3 - omega4)        J4 omega4' = Ts - f omega4 - T_load + beta J4 omega3'
 """
@@ -36,11 +36,10 @@ def friction_power(d: Constants, omega1: float, omega2: float, friction: float) 
 def response(d: Constants, inertia: float) -> float:
     """Return the fraction of its own speed that the mechanism can impart to a link of this inertia, 0 to 1.
 
-    It is the scale of an error of the link's speed. The speed of a heavy link hardly changes, but these small
-    changes are its torque.
+    It is the scale of an error of the link's speed (events.error).
     """
-    own = d.F_by_alpha1
-    return own / (own + inertia) if own > 0.0 else 1.0
+    mechanism = d.F_by_alpha1
+    return mechanism / (mechanism + inertia) if mechanism > 0.0 else 1.0
 
 
 def inertia_of_link1(d: Constants, i: float, b: float, g: float) -> float:
@@ -52,8 +51,8 @@ def inertia_at_input(d: Constants, q: float) -> float:
     """Return the inertia at the input shaft while link 2 is held, at an angle of the pinion shaft.
 
     Args:
-        d: constants
-        q: angle of the pinion shaft, rad
+        d: Constants.
+        q: Pinion-shaft angle, rad.
 
     Returns:
         Phi, kg m^2.
@@ -95,14 +94,14 @@ def shaft_frequency(d: Constants, compliance: float) -> float:
     """Return the angular frequency of the shaft between hub and driven mass without damping, rad/s.
 
     Args:
-        d: constants.
+        d: Constants.
         compliance: 1/J of the parts that the shaft torque accelerates besides the driven mass.
     """
     return math.sqrt(d.shaft_stiffness * (compliance + 1.0 / d.J4))
 
 
 def fastest_own_rate(d: Constants, x: State) -> float:
-    """Return a bound of the natural frequencies of shaft and springs and of braked parts, rad/s."""
+    """Return an upper bound of the natural frequencies and decay rates of the elastic parts, rad/s."""
     link2 = max(d.J2, 1e-300)
     hub = 1.0 / (d.J3 + d.J2 if x.output_state == LOCKED else d.J3)
     if x.housing_state == LOCKED and x.output_state == LOCKED:
@@ -118,7 +117,7 @@ def fastest_own_rate(d: Constants, x: State) -> float:
 
 
 def fastest_rate(d: Constants, x: State) -> float:
-    """Return the angular frequency of the fastest motion, rad/s: pulses, shaft and springs."""
+    """Return an upper bound of the angular frequency of pulses, shaft and springs, rad/s."""
     pulses = d.harmonic * d.k * (abs(x.omega1) + abs(x.omega2))
     return pulses + fastest_own_rate(d, x) if d.elastic != 0.0 else pulses
 

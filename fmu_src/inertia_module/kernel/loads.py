@@ -52,7 +52,7 @@ def square_inside(
         rate_q: q' there, rad/s.
         rate2_q: q'' there, rad/s^2.
     """
-    begin, h = x.last_begin, x.last_step
+    begin, h = x.step_beginning, x.last_step
     per_step = 1.0 / h
     # Derivatives by s: of q at the beginning, and the coefficients of s^3, s^4, s^5
     q1, q2 = h * begin.rate_q, h * h * begin.rate2_q
@@ -62,7 +62,7 @@ def square_inside(
     q3 = 10.0 * change - 4.0 * change1 + 0.5 * change2
     q4 = 7.0 * change1 - 15.0 * change - change2
     q5 = 6.0 * change - 3.0 * change1 + 0.5 * change2
-    # The same of omega1
+    # Coefficients of omega1
     w1 = h * begin.alpha1
     gain, gain1 = omega1 - begin.omega1 - w1, h * alpha1 - w1
     w2, w3 = 3.0 * gain - gain1, gain1 - 2.0 * gain
@@ -92,7 +92,7 @@ def max_squared_acceleration(
     """
     if x.last_step == 0.0:
         return max(x.largest_square, end)
-    begin = x.last_begin
+    begin = x.step_beginning
     before = squared_acceleration(d, begin.q, begin.omega1, begin.alpha1, begin.rate_q, begin.rate2_q)
     maximum = max(x.largest_square, before, end)
     phase = d.harmonic * x.last_step * max(abs(begin.rate_q), abs(rate_q))
@@ -139,7 +139,7 @@ def store_beginning(
         rate2_q: q'', rad/s^2.
     """
     include_last_step(d, x, omega1, alpha1, rate_q, rate2_q)
-    begin = x.last_begin
+    begin = x.step_beginning
     begin.q = x.q
     begin.omega1 = omega1
     begin.alpha1 = alpha1
@@ -152,7 +152,7 @@ def gear_momentum_rate(
 ) -> tuple[float, float, float]:
     """Return the rate of the angular momentum of a satellite gear about its centre, N m (bevel layout).
 
-        L = Jt v + h e      h = Ja s q' + (Ja - Jt) v e      v = omega1 x + q' z
+        L = Jt v + h e      h = Ja s q' + (Ja - Jt) v . e      v = omega1 x + q' z
 
     v is the angular velocity of the pinion shaft, and e is the axis of the gear, with e' = v x e.
 
@@ -217,7 +217,7 @@ def write_loads(d: Constants, x: State, y: Outputs, alpha2: float) -> None:
         mx -= mass * (py * az - pz * ay)
         my -= mass * (pz * ax - px * az)
         mz -= mass * (px * ay - py * ax)
-        if d.bodies != 0.0:
+        if d.gear_inertia != 0.0:
             azimuth = x.q + d.phase_a + TWO_PI * n / terms
             lx, ly, lz = gear_momentum_rate(d, x.omega1, x.alpha1, rate_q, rate2_q, azimuth)
             lx, ly, lz = to_fixed_frame(x.theta1, lx, ly, lz)

@@ -24,7 +24,7 @@ def stored_energy(d: Constants, x: State) -> float:
     if d.fidelity == AVERAGED:
         return averaged_energy(d, x)
     potential = potential_energy(d, x) if d.losses != 0.0 else 0.0
-    # Prescribed motion ends at the output, upstream of J3
+    # The prescribed motion of fidelity kinematic ends at the output freewheel, upstream of J3
     omega3 = 0.0 if d.fidelity == KINEMATIC else x.omega3
     stored = potential + kinetic_energy(d, x.q, x.omega1, x.omega2, omega3)
     if d.rigid_shaft != 0.0:
@@ -81,7 +81,9 @@ def write_step_means(d: Constants, x: State, y: Outputs) -> None:
     length = x.length if x.length > 0.0 else 1.0
     housing = x.housing_impulse / length
     if d.losses == 0.0 and d.fidelity != AVERAGED:
-        housing = d.housing * max(housing, 0.0)  # The freewheel only pushes: a negative value is round-off
+        housing = d.housing_freewheel * max(
+            housing, 0.0
+        )  # The freewheel only pushes: a negative value is round-off
     y.mesh_torque_mean = x.mesh_impulse / length
     y.housing_torque_mean = housing
     y.loss_power_mean = x.step_lost / length
@@ -136,8 +138,8 @@ def write_late_outputs(d: Constants, x: State, y: Outputs) -> None:
     y.torque_ripple = x.torque_ripple
     y.torque_peak = x.torque_peak
     y.housing_torque_peak = x.housing_torque_peak
-    y.housing_slip_peak = d.housing * x.housing_slip_peak
-    y.output_slip_peak = d.output * x.output_slip_peak
+    y.housing_slip_peak = d.housing_freewheel * x.housing_slip_peak
+    y.output_slip_peak = d.output_freewheel * x.output_slip_peak
     stored = x.energy_stored if d.fidelity >= RIGID else stored_energy(d, x)
     net = x.energy_in - x.energy_out - y.energy_lost
     y.energy_stored = stored

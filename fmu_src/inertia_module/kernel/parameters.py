@@ -14,10 +14,11 @@ from .records import Constants, Parameters
 
 TWO_PI_HI = 6.283185303211212  # Leading 30 bits of 2 pi: its product with an integer below 2**23 is exact
 STEP_TOLERANCE_FACTOR = 0.1  # Tolerance of an internal step over the parameter tolerance
-# The same for a shaft without housing freewheel: link 2 never comes to rest, so phase errors add up
+# This ratio with an elastic shaft and without a housing freewheel: phase errors add up, because link 2 never
+# comes to rest
 FREE_SHAFT_TOLERANCE_FACTOR = 0.01
 MIN_TOLERANCE = 1e-14
-RIGID_RATE = 1e6  # rad/s, own rate above which a shaft is rigid: far above the pulses of any drive
+RIGID_RATE = 1e6  # rad/s, natural frequency above which a shaft is rigid: far above the pulses of any engine
 UNLIMITED_STEP = 1e300  # s
 
 
@@ -39,7 +40,7 @@ def derive_period(turns: float, d: Constants) -> None:
     """Set the period of the motion in q, in two doubles.
 
     Args:
-        turns: Revolutions of the drive in a period.
+        turns: Revolutions of the pinion shaft in a period.
         d: Constants; period fields are written.
     """
     period = turns * TWO_PI
@@ -77,15 +78,15 @@ def derive_bevel(d: Constants) -> None:
     # |r'|^2 = spin sin^2 B + (pole_offset + pole_arm (1 - cos B))^2, accurate also near 0
     d.pole_offset = (d.b - d.a) * pitch * sine * math.cos(phi)
     d.pole_arm = d.a * pitch * sine * math.cos(phi)
-    d.spin = arm * arm * (1.0 + 2.0 * s * cosine + s * s)
+    d.spin_square = arm * arm * (1.0 + 2.0 * s * cosine + s * s)
     derive_period(d.z6 / greatest_common_divisor(d.z17, d.z6), d)
+    # Upper bounds of |r| and |r'|
     reach = abs(d.radial) + abs(d.axial) + 2.0 * arm
     rate = reach + 2.0 * s * arm
-    d.F_by_slip = s * (d.spin + 2.0 * d.pole_arm * (abs(d.pole_offset) + 2.0 * d.pole_arm))
+    d.F_by_slip = s * (d.spin_square + 2.0 * d.pole_arm * (abs(d.pole_offset) + 2.0 * d.pole_arm))
     # With three or more satellites only the terms with the satellite's own rotation remain
     d.F_by_speed = 2.0 * reach * (rate if d.satellites <= 2.0 else 2.0 * s * arm)
     d.F_by_alpha1 = d.k * rate * rate + reach * rate
-    # Highest harmonic of q in the reduced inertia
     d.harmonic = 2.0 * d.s
     if d.satellites <= 2.0:
         d.harmonic = 2.0 + 2.0 * d.s
@@ -105,8 +106,10 @@ def derive_planar(d: Constants) -> None:
     d.s = 1.0
     d.radial = d.pole_offset = arm
     d.axial = centre
-    # Plane motion, and the satellite rotates with the drive
-    d.phase_a = d.phase_b = d.radial_cos = d.arm = d.axial_cos = d.pole_arm = d.spin = d.F_by_slip = 0.0
+    # Plane motion: the satellite rotates with its pinion shaft, and these terms of the bevel layout are 0
+    d.phase_a = d.phase_b = d.radial_cos = d.arm = d.axial_cos = d.pole_arm = d.spin_square = d.F_by_slip = (
+        0.0
+    )
     derive_period(1.0, d)
     d.harmonic = 1.0
     d.F_by_speed = 2.0 * arm * centre
@@ -128,12 +131,12 @@ def derive_inertias(d: Constants) -> None:
     d.b1 = d.input_friction
     d.bq = d.drive_friction
     d.b2 = d.link2_friction
-    # Prescribed motion ends at the output
+    # The prescribed motion of fidelity kinematic ends at the output freewheel, upstream of J3
     d.b3 = d.output_friction if d.fidelity != codes.KINEMATIC else 0.0
 
 
 def derive_shaft(d: Constants) -> None:
-    """Decide whether an elastic shaft is integrated or rigid, and set whether there is viscous friction.
+    """Set the flags of an elastic shaft, which is integrated or rigid, and of viscous friction.
 
     The shaft is rigid if its slowest natural frequency with a locked hub exceeds RIGID_RATE. Pulses with
     the frequency p excite it to (p / RIGID_RATE)^2 of their energy. J3 and b3 then include the driven mass,
@@ -158,23 +161,21 @@ def derive_freewheels(d: Constants) -> None:
     Args:
         d: Constants; parameters are read.
     """
-    d.housing = d.housing_freewheel
-    d.output = d.output_freewheel
-    d.housing_drag *= d.housing
-    d.housing_drag_viscous *= d.housing
-    d.output_drag *= d.output
-    d.output_drag_viscous *= d.output
+    d.housing_drag *= d.housing_freewheel
+    d.housing_drag_viscous *= d.housing_freewheel
+    d.output_drag *= d.output_freewheel
+    d.output_drag_viscous *= d.output_freewheel
     elastic = 1.0 if d.fidelity == codes.ELASTIC else 0.0
-    d.housing_stiffness *= elastic * d.housing
-    d.freewheel_stiffness *= elastic * d.output
-    d.housing_engagement_angle *= d.housing
-    d.output_engagement_angle *= d.output
+    d.housing_stiffness *= elastic * d.housing_freewheel
+    d.freewheel_stiffness *= elastic * d.output_freewheel
+    d.housing_engagement_angle *= d.housing_freewheel
+    d.output_engagement_angle *= d.output_freewheel
     if d.housing_stiffness == 0.0:
         d.housing_damping = 0.0
     if d.freewheel_stiffness == 0.0:
         d.freewheel_damping = 0.0
-    d.plays = 1.0 if d.housing_engagement_angle + d.output_engagement_angle > 0.0 else 0.0
-    d.turning = 1.0 if d.plays + d.housing_stiffness + d.freewheel_stiffness > 0.0 else 0.0
+    d.backlash = 1.0 if d.housing_engagement_angle + d.output_engagement_angle > 0.0 else 0.0
+    d.freewheel_angles = 1.0 if d.backlash + d.housing_stiffness + d.freewheel_stiffness > 0.0 else 0.0
 
 
 def derive_losses(d: Constants) -> None:
@@ -191,12 +192,14 @@ def derive_losses(d: Constants) -> None:
     d.turn_across = -d.s * math.sin(d.shaft_angle)
     d.turn_along = 1.0 + 2.0 * d.s * math.cos(d.shaft_angle) + d.s * d.s
     drag = d.housing_drag + d.housing_drag_viscous + d.output_drag + d.output_drag_viscous
-    d.losses = 1.0 if general_loss_coefficient(d) + drag + d.turning > 0.0 else 0.0
+    d.losses = 1.0 if general_loss_coefficient(d) + drag + d.freewheel_angles > 0.0 else 0.0
     d.averaged = 1.0 if d.fidelity == codes.AVERAGED else 0.0
-    d.lossy = 0.0
+    d.averaged_losses = 0.0
     if d.averaged != 0.0:
         # Averaged motion has its own equations, and weights have no mean over a revolution of link 1
-        d.lossy = 1.0 if d.viscous + general_loss_coefficient(d) - d.weight + drag + d.plays > 0.0 else 0.0
+        d.averaged_losses = (
+            1.0 if d.viscous + general_loss_coefficient(d) - d.weight + drag + d.backlash > 0.0 else 0.0
+        )
         d.weight = 0.0
 
 
@@ -204,38 +207,36 @@ def add_gear_inertia(d: Constants) -> None:
     """Add the rotation of the satellite gears to J1, J16, I, B and the bounds of |F| (mechanics.md).
 
     The part of their kinetic energy that is the same at every angle becomes part of J1 and J16. The part that
-    depends on the azimuth A of the gear's axis becomes body_i (in I) and body_b (in B).
+    depends on the azimuth A of the gear's axis becomes gear_i (in I) and gear_b (in B).
 
     Args:
         d: Constants, complete except for the fields above.
     """
-    d.bodies = 0.0
-    d.body_i = 0.0
-    d.body_b = 0.0
+    d.gear_inertia = 0.0
+    d.gear_i = 0.0
+    d.gear_b = 0.0
     number = d.modules * d.satellites
-    own = number * d.satellite_inertia
-    across = number * d.satellite_transverse_inertia
-    if d.planar != 0.0:
-        across = 0.0
-    if own + across == 0.0:
+    axial = number * d.satellite_inertia
+    transverse = 0.0 if d.planar != 0.0 else number * d.satellite_transverse_inertia
+    if axial + transverse == 0.0:
         return
     if d.planar == 0.0:
-        d.bodies = 1.0
+        d.gear_inertia = 1.0
         sine = math.sin(d.shaft_angle)
         cosine = math.cos(d.shaft_angle)
-        spin = d.s + cosine
-        d.J1 += across
+        turn = d.s + cosine  # Rotation of a gear about its own axis per q
+        d.J1 += transverse
         # Over n satellites sum cos^2 A = n / 2 for n > 2, and sum cos A = 0 for n > 1
         if d.satellites <= 2.0:
-            d.body_i = (own - across) * sine * sine
+            d.gear_i = (axial - transverse) * sine * sine
         else:
-            d.J1 += 0.5 * (own - across) * sine * sine
+            d.J1 += 0.5 * (axial - transverse) * sine * sine
         if d.satellites == 1.0:
-            d.body_b = sine * (across * cosine - own * spin)
-        own = own * spin * spin + across * sine * sine
-    d.J16 += own
-    d.F_by_speed += d.k * abs(d.body_i)
-    d.F_by_alpha1 += d.k * (abs(d.body_b) + (1.0 + d.k) * own)
+            d.gear_b = sine * (transverse * cosine - axial * turn)
+        axial = axial * turn * turn + transverse * sine * sine
+    d.J16 += axial
+    d.F_by_speed += d.k * abs(d.gear_i)
+    d.F_by_alpha1 += d.k * (abs(d.gear_b) + (1.0 + d.k) * axial)
 
 
 def min_inertia_ratio(d: Constants) -> float:
@@ -250,10 +251,10 @@ def min_inertia_ratio(d: Constants) -> float:
     offset = d.pole_offset
     max_offset = offset + 2.0 * d.pole_arm
     fixed = d.J2 + d.k * d.k * d.J16
-    if d.output == 0.0:
+    if d.output_freewheel == 0.0:
         fixed += d.J3
     moving = d.k * d.k * d.mass
-    maximum = fixed + moving * (max_offset * max_offset + d.spin)
+    maximum = fixed + moving * (max_offset * max_offset + d.spin_square)
     return (fixed + moving * offset * offset) / maximum if maximum > 0.0 else 0.0
 
 
@@ -295,6 +296,6 @@ def derive_constants(p: Parameters, d: Constants) -> None:
     derive_freewheels(d)
     derive_losses(d)
     derive_bounds(d)
-    is_free_shaft = d.elastic != 0.0 and d.housing == 0.0
+    is_free_shaft = d.elastic != 0.0 and d.housing_freewheel == 0.0
     factor = FREE_SHAFT_TOLERANCE_FACTOR if is_free_shaft else STEP_TOLERANCE_FACTOR
     d.tolerance = max(factor * d.tolerance, MIN_TOLERANCE)

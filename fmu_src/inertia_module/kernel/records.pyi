@@ -89,16 +89,16 @@ class Machine:
     relative: float
     wound_housing: float
     wound_output: float
-    weight1: float
-    weight_q: float
+    applied1: float
+    applied_q: float
     lost: Doubles
     journals: float
-    spun: float
-    torque: float
+    mesh_friction: float
+    flow_torque: float
     flow_sign: float
-    margin: float
-    spin_signs: float
-    spun_by: Doubles
+    friction_reserve: float
+    tau6_signs: float
+    mesh_friction_by: Doubles
     play_housing: float
     play_output: float
     alpha1: float
@@ -148,7 +148,7 @@ class Side:
     direction: float
     end: float
     locks: float
-    slow: float
+    v0: float
     slowness: Doubles
     columns: Records[Column]
 
@@ -227,7 +227,7 @@ class Constants:
     axial_cos: float
     pole_offset: float
     pole_arm: float
-    spin: float
+    spin_square: float
     period: float
     period_low: float
     period_turns: float
@@ -235,16 +235,14 @@ class Constants:
     F_by_slip: float
     F_by_speed: float
     F_by_alpha1: float
-    bodies: float
-    body_i: float
-    body_b: float
+    gear_inertia: float
+    gear_i: float
+    gear_b: float
     J1: float
     J2: float
     J3: float
     J4: float
     J16: float
-    housing: float
-    output: float
     by_torque: float
     elastic: float
     rigid_shaft: float
@@ -254,13 +252,13 @@ class Constants:
     b3: float
     viscous: float
     averaged: float
-    lossy: float
+    averaged_losses: float
     losses: float
     mesh_loss: float
     satellite_loss: float
     weight: float
-    plays: float
-    turning: float
+    backlash: float
+    freewheel_angles: float
     turn_across: float
     turn_along: float
     machine: Machine
@@ -281,11 +279,11 @@ class Inputs:
     omega1_rate: float
     load_torque_rate: float
     drive_torque_rate: float
-    omega1_rate_given: float
-    load_torque_rate_given: float
-    drive_torque_rate_given: float
+    omega1_has_rate: float
+    load_torque_has_rate: float
+    drive_torque_has_rate: float
 
-class Moment:
+class Beginning:
     numbers: Doubles
     q: float
     omega1: float
@@ -339,7 +337,7 @@ class State:
     input_turns: float
     mode: float
     alpha1: float
-    held_input: float
+    last_input_speed: float
     load_torque: float
     drive_torque: float
     step_size: float
@@ -364,15 +362,15 @@ class State:
     begin_theta1: float
     begin_input_turns: float
     begin_drive_turns: float
-    last_begin: Moment
+    step_beginning: Beginning
     housing_state: float
     output_state: float
     slip_sign: float
     flow_sign: float
-    spin_signs: float
-    ended: float
+    tau6_signs: float
+    mode_ended: float
     slip_reached_zero: float
-    switching: float
+    event_pending: float
     mean_step: float
     torques_continue: float
     rates_cached: float
@@ -446,7 +444,7 @@ class Outputs:
     torque_ripple: float
     torque_peak: float
 
-class Followed:
+class Integrated:
     numbers: Doubles
     q: float
     omega1: float
@@ -465,7 +463,7 @@ class Followed:
     wound_housing: float
     wound_output: float
 
-class Watched:
+class Indicators:
     numbers: Doubles
     value: Doubles
     rate: Doubles
@@ -537,12 +535,12 @@ class Workspace:
     momentum: float
     energy: float
     potential: float
-    rates: Records[Followed]
-    change: Followed
-    inside: Followed
-    watched: Records[Watched]
+    rates: Records[Integrated]
+    change: Integrated
+    inside: Integrated
+    indicators: Records[Indicators]
     weights: Doubles
-    scale: Followed
+    scale: Integrated
     orbit_start: float
     orbit_torque: float
     orbit_energy: float
@@ -553,8 +551,8 @@ class Workspace:
     mean_change: Mean
     mean_length: float
     before: State
-    kept: State
-    part: State
+    saved: State
+    orbit: State
     outputs_0: Outputs0
     outputs_1: Outputs0
 
@@ -586,8 +584,8 @@ class ShaftInputs:
     load_torque: float
     hub_speed_rate: float
     load_torque_rate: float
-    hub_speed_rate_given: float
-    load_torque_rate_given: float
+    hub_speed_has_rate: float
+    load_torque_has_rate: float
 
 class ShaftState:
     numbers: Doubles
@@ -595,7 +593,7 @@ class ShaftState:
     slip: float
     omega4: float
     hub_slope: float
-    held_input: float
+    last_input_speed: float
     length: float
     load_torque: float
     shaft_torque_mean: float

@@ -9,7 +9,7 @@ import math
 from . import codes
 from .accumulate import TWO_PI, clear, copy, total, turn_output, wrap_drive_angle
 from .averaged.integrate import run_averaged
-from .averaged.mean_motion import end_step, jump_averaged, takes_up_jump
+from .averaged.mean_motion import jump_averaged, takes_up_jump, update_end
 from .averaged.periodic_orbit import find_orbit, hold_output, release_angle
 from .averaged.torque_map import build_map
 from .checks import check_parameters
@@ -29,14 +29,14 @@ from .outputs import shaft_twist, stored_energy, write_late_outputs, write_outpu
 from .parameters import derive_constants
 from .records import Constants, Inputs, Outputs, Parameters, State, Workspace
 
-# Allowed imbalance over the energies of the step and of its speeds: so many tolerances, within limits
+# Allowed imbalance over the energies of the step: AUDIT_TOLERANCES times the tolerance, within two limits
 AUDIT_TOLERANCES, MIN_AUDIT_SHARE, MAX_AUDIT_SHARE = 1e3, 1e-6, 0.1
-SUM_RTOL = 1e-14  # Round-off of the sums since the start
-ENERGY_ATOL = 1e-30  # J, round-off of any machine that moves
-DIFFERENCING_TOLERANCE = 1e-11  # Of a step for differences of its results
-MAX_ORBIT_TOLERANCE = 1e-9  # Of a periodic orbit: in free flight the error of a period does not decay
-INSTANT_PHASE = 1e-8  # rad; below it the means of the torques are round-off of momenta
-SPEED_RTOL = 1e-14  # Round-off of a prescribed speed at the end of the last step
+SUM_RTOL = 1e-14  # Relative round-off of the sums since the start
+ENERGY_ATOL = 1e-30  # J, below the energy of any machine that moves
+DIFFERENCING_TOLERANCE = 1e-11  # Maximum tolerance of STEP_FOR_DIFFERENCING
+MAX_ORBIT_TOLERANCE = 1e-9  # Of a periodic orbit: in free flight an error persists from period to period
+INSTANT_PHASE = 1e-8  # rad; in a shorter step the changes of momenta are round-off
+SPEED_RTOL = 1e-14  # Relative round-off of speeds, also of a speed that the importer computes
 
 
 def check(p: Parameters, d: Constants, u: Inputs) -> int:
@@ -46,8 +46,14 @@ def check(p: Parameters, d: Constants, u: Inputs) -> int:
     return check_inputs(u) if status == codes.OK else status
 
 
-def restore(p: Parameters, d: Constants, u: Inputs, w: Workspace) -> int:
-    """Check parameters and inputs; build a map of averaged again that a rejected change has overwritten."""
+def check_and_restore_map(p: Parameters, d: Constants, u: Inputs, w: Workspace) -> int:
+    """Check parameters and inputs, and build the map of averaged again if it has been overwritten.
+
+    A change of parameters that was rejected may have overwritten it.
+
+    Returns:
+        Status.
+    """
     status = check(p, d, u)
     if status == codes.OK and d.fidelity == codes.AVERAGED and d.map_ready < 0.0:
         status = build_map(p, d, w)
@@ -65,18 +71,18 @@ def start(p: Parameters, d: Constants, u: Inputs, x: State, y: Outputs, w: Works
             return status
     clear(x.numbers)
     x.omega1 = u.omega1
-    x.held_input = x.omega1
+    x.last_input_speed = x.omega1
     x.load_torque = u.load_torque
     x.drive_torque = u.drive_torque
     x.q = d.drive_angle_start
     wrap_drive_angle(d, x)
     x.omega2 = d.omega2_start
     x.omega3 = d.omega_out_start
-    # a freewheel that overruns has done so before
+    # A freewheel that overruns at the start has its whole engagement angle before it
     x.play_housing = d.housing_engagement_angle if x.omega2 > 0.0 else 0.0
     x.play_output = d.output_engagement_angle if x.omega3 > x.omega2 else 0.0
     if d.fidelity == codes.AVERAGED:
-        end_step(d, x)
+        update_end(d, x)
         x.switches = 0.0
     else:
         update_motion(d, x)
@@ -89,7 +95,7 @@ def start(p: Parameters, d: Constants, u: Inputs, x: State, y: Outputs, w: Works
     return codes.OK
 
 
-def tune(p: Parameters, d: Constants, x: State, w: Workspace) -> int:
+def update_parameters(p: Parameters, d: Constants, x: State, w: Workspace) -> int:
     """Derive the constants again after a change of tunable parameters between steps, and return the status.
 
     Torques and rates of the last step no longer hold. If the status is not OK, the state is unchanged.
@@ -108,18 +114,18 @@ def tune(p: Parameters, d: Constants, x: State, w: Workspace) -> int:
 def start_steady(
     p: Parameters, d: Constants, u: Inputs, x: State, y: Outputs, w: Workspace, length: float
 ) -> int:
-    """Start the module in its periodic orbit with the output held at its starting speed.
+    """Start the module at the end of a period of its periodic orbit, with the output at its initial speed.
 
-    Sums and means are of one period.
+    The sums and means in the outputs are those over this period.
 
     Args:
-        p: parameters
-        d: constants, derived here; the output is heavy from then on
-        u: inputs
-        x: state
-        y: outputs
-        w: workspace
-        length: angle of the pinion shaft that counts as a period, rad
+        p: Parameters.
+        d: Constants, written; the inertia of the output is very large afterwards (hold_output).
+        u: Inputs.
+        x: State, written.
+        y: Outputs, written.
+        w: Workspace.
+        length: Angle of the pinion shaft in a period, rad.
 
     Returns:
         Status: OK, or NO_CYCLIC_STEADY_STATE if links 1 and 2 stick together.
@@ -143,19 +149,19 @@ def start_steady(
 
 
 def is_instant(d: Constants, x: State, h: float) -> bool:
-    """Return True if the step is so short that its impulses are the torques at its end times its length.
+    """Return True if the impulses of a short step are equal to the torques at its end times its length.
 
-    A host that rounds its time makes steps of 1e-17 s, in which changes of momenta are round-off. The torques
-    are then in ``d.machine``.
+    A host that rounds its time makes steps of 1e-17 s, in which changes of momenta are round-off. If the
+    result is True, the torques at the end of the step are in ``d.machine``.
     """
     m = d.machine
     if d.fidelity == codes.AVERAGED or not h * fastest_rate(d, x) < INSTANT_PHASE:
         return False
     solve_present(d, x)
-    missing = abs(x.input_impulse - h * m.drive) + abs(x.housing_impulse - h * m.housing)
-    missing += abs(x.output_impulse - h * m.output)
+    difference = abs(x.input_impulse - h * m.drive) + abs(x.housing_impulse - h * m.housing)
+    difference += abs(x.output_impulse - h * m.output)
     fastest = abs(x.omega1) + abs(x.omega2) + abs(x.omega3) + abs(x.relative)
-    return missing <= SPEED_RTOL * fastest * (d.J1 + m.i + d.k * d.k * m.g + d.J2 + d.J3)
+    return difference <= SPEED_RTOL * fastest * (d.J1 + m.i + d.k * d.k * m.g + d.J2 + d.J3)
 
 
 def write_mesh_impulse(d: Constants, x: State) -> None:
@@ -170,7 +176,7 @@ def write_mesh_impulse(d: Constants, x: State) -> None:
 
 
 def write_means(d: Constants, x: State, h: float) -> None:
-    """Write means over the step, all impulses included, or the torques at the end of a very short step."""
+    """Write the means over the step, or the torques at the end of a very short step (is_instant)."""
     write_mesh_impulse(d, x)
     if x.input_jump == 0.0 and x.output_jump == 0.0 and is_instant(d, x, h):
         m = d.machine
@@ -187,7 +193,7 @@ def write_means(d: Constants, x: State, h: float) -> None:
 
 
 def is_finite(x: State) -> bool:
-    """Return True if the motion, its energies and its means are finite; all else follows from them."""
+    """Return True if motion, energies and means are finite. All other results follow from them."""
     motion = (abs(x.q) + abs(x.theta1)) + (abs(x.omega2) + abs(x.omega3))
     shaft = (abs(x.relative) + abs(x.twist)) + abs(x.omega1)
     energies = (abs(x.energy_in) + abs(x.energy_out)) + abs(total(x.lost))
@@ -201,18 +207,18 @@ def advance(d: Constants, u: Inputs, x: State, y: Outputs, w: Workspace, h: floa
     If the status is not OK, state and outputs are unchanged.
 
     Args:
-        d: constants.
-        u: inputs.
-        x: state.
-        y: outputs.
-        w: workspace.
-        h: communication step, s.
-        operation: STEP, or a variant: STEP_ONLY and STEP_UNTIL_EVENT leave the late outputs unchanged;
-            STEP_FOR_DIFFERENCING makes differences of results free of the noise of the tolerance.
+        d: Constants.
+        u: Inputs.
+        x: State, advanced.
+        y: Outputs, written.
+        w: Workspace; ``stops`` is read.
+        h: Communication step, s.
+        operation: STEP, STEP_ONLY, STEP_UNTIL_EVENT or STEP_FOR_DIFFERENCING (:mod:`.codes`). STEP_ONLY and
+            STEP_UNTIL_EVENT leave the late outputs unchanged.
     """
     status = check_step(u, h)
     if status == codes.OK and d.drive == codes.DRIVE_SPEED:
-        status = check_hold(d.input_hold, x, u.omega1, u.omega1_rate_given, h)
+        status = check_hold(d.input_hold, x, u.omega1, u.omega1_has_rate, h)
     if status != codes.OK:
         return status
     copy(w.before.numbers, x.numbers)
@@ -242,11 +248,11 @@ def audit(d: Constants, x: State, before: State, stored: float, tolerance: float
     """Return OK if the energies of the step balance, otherwise NOT_BALANCED.
 
     Args:
-        d: constants.
-        x: state after the step; its stored energy is written.
-        before: state before the step.
-        stored: stored energy after the step, J.
-        tolerance: tolerance of the step.
+        d: Constants.
+        x: State after the step; its stored energy is written.
+        before: State before the step.
+        stored: Stored energy after the step, J.
+        tolerance: Tolerance of the step.
     """
     work_in = x.energy_in - before.energy_in
     work_out = x.energy_out - before.energy_out
@@ -256,8 +262,8 @@ def audit(d: Constants, x: State, before: State, stored: float, tolerance: float
     x.energy_stored = stored
     fastest = max(abs(x.omega1), abs(before.omega1))
     share = max(MIN_AUDIT_SHARE, min(AUDIT_TOLERANCES * tolerance, MAX_AUDIT_SHARE))
-    slow = share * fastest  # Allowed error of the speeds
-    allowed = share * energies + (d.J1 + d.J2 + d.J3 + d.J4) * slow * slow
+    speed_error = share * fastest
+    allowed = share * energies + (d.J1 + d.J2 + d.J3 + d.J4) * speed_error * speed_error
     # Round-off of the energies since the start
     allowed += SUM_RTOL * (abs(x.energy_in) + abs(x.energy_out) + abs(total(x.lost)))
     return codes.OK if abs(imbalance) <= allowed + ENERGY_ATOL else codes.NOT_BALANCED
@@ -268,7 +274,7 @@ def take_up_inputs(d: Constants, u: Inputs, x: State, h: float) -> None:
     handle_pending_event(d, x)
     jump = read_inputs(d, u, x, h)
     if abs(jump) <= SPEED_RTOL * (abs(x.omega1) + abs(x.alpha1) * h + abs(x.omega2) + abs(x.omega3)):
-        x.omega1 += jump  # As a jump it would open freewheels
+        x.omega1 += jump  # Round-off; a jump would open freewheels
         jump = 0.0
     if jump == 0.0 and (d.fidelity != codes.KINEMATIC or x.omega2 == d.kinematic_ratio * x.omega1):
         return
@@ -304,6 +310,6 @@ def finish_step(d: Constants, x: State, w: Workspace, start1: float) -> int:
     if not is_finite(x):
         return codes.NOT_FINITE
     if d.fidelity < codes.RIGID:
-        return codes.OK  # Averaged steps have a check of their own
+        return codes.OK  # Kinematic motion is prescribed; averaged energies balance by construction
     stored = stored_energy(d, x)
     return audit(d, x, w.before, stored, w.tolerance)

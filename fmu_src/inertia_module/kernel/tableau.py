@@ -163,7 +163,7 @@ ROWS = (*DOP853.A, *DOPRI5.A, DOP853.E[5], DOP853.E[3], DOPRI5.E[4], *DOP853.D)
 # Stages of each pair in the order of their nodes, for extrema by parabolas through three neighbours
 STAGES_BY_TIME = (0, 3, 5, 9, 10, 12, 0, 2, 3, 6)
 N_DOP853_BY_TIME, N_DOPRI5_BY_TIME = 6, 4
-# First stage after stage 0 that the errors of DOP853 depend on
+# First stage after stage 0 with a weight in the errors and in the dense output of DOP853
 FIRST_ERROR_STAGE = 5
 
 # Rows one after the other, each N_STAGES long
@@ -191,13 +191,13 @@ for power in range(2 * N_GAUSS_NODES):
 
 
 def stage_order_range(pair: int) -> tuple[int, int]:
-    """Return the place of a pair in STAGES_BY_TIME.
+    """Return the range of a pair in STAGES_BY_TIME.
 
     Args:
         pair: First row of the pair.
 
     Returns:
-        Place of its first stage, number of its stages.
+        Position of its first stage, number of its stages.
     """
     if pair == DOP853_ROW:
         return 0, N_DOP853_BY_TIME

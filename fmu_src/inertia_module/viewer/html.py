@@ -153,7 +153,7 @@ def _variable(variable: Variable, model: Model) -> dict[str, Any]:
         "items": [{"name": name, "number": number, "description": text} for name, number, text in items],
         "place": model.place(variable.name),
         "ratePlace": model.place(f"{variable.name}_rate") if is_input else -1,
-        "rateGivenPlace": model.place(f"{variable.name}_rate_given") if is_input else -1,
+        "rateGivenPlace": model.place(f"{variable.name}_has_rate") if is_input else -1,
     }
 
 

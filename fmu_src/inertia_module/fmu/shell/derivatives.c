@@ -1,20 +1,21 @@
-/* Derivatives: rates of inputs and outputs, and outputs by inputs and parameters, by differences of steps tried out. */
+/* Time derivatives of inputs and outputs. Partial derivatives of outputs by differences of trial steps. */
 #include "instance.h"
 
 #include <math.h>
 #include <string.h>
 
-/* change of inputs and parameters, over their size or their nominal value, that differences are taken of */
-#define CHANGE 1e-4
+/* Change of inputs and parameters for differences, relative to their magnitude or nominal value. */
+#define RELATIVE_CHANGE 1e-4
 
-/* a number of a direction is 0 or of such a magnitude: nothing that is calculated of it leaves the range of doubles */
-#define SMALLEST_NUMBER 1e-100
-#define LARGEST_NUMBER 1e100
+/* Range of the magnitudes of a direction, except 0. No result then overflows. */
+#define MIN_NUMBER 1e-100
+#define MAX_NUMBER 1e100
 
-/* answered in place of a status of the kernel */
+/* Status next to the statuses of the kernel: a changed parameter is out of its range. */
 #define OUT_OF_RANGE (-1)
 
-/* what a reference must be of; KNOWN, AT_START: what outputs depend on between steps, in initialization mode */
+/* Required role of a reference. KNOWN: a variable that outputs depend on between steps. AT_START: a variable that
+   outputs depend on in initialization mode. */
 enum role { OUTPUT, INPUT, KNOWN, AT_START };
 
 static int has_role(const struct variable *variable, enum role role)
@@ -24,7 +25,7 @@ static int has_role(const struct variable *variable, enum role role)
     return variable->kind == REAL && (role == AT_START || (role == KNOWN && variable->tunable));
 }
 
-/* Whether all references are of that role, and the order is 1. */
+/* Check that all references have a role, and that the orders are 1. */
 static enum status check_references(struct instance *c, const uint32_t references[], size_t count,
                                    const int32_t orders[], enum role role)
 {
@@ -48,20 +49,20 @@ enum status set_rates(struct instance *c, const uint32_t references[], size_t co
 {
     if (!c)
         return ERROR;
-    if (phase_of(c) == REFUSED || phase_of(c) == TERMINATED)
-        return out_of_order(c, "setting derivatives of inputs", "before terminate");
+    if (phase_of(c) == FAILED || phase_of(c) == TERMINATED)
+        return report_wrong_phase(c, "setting derivatives of inputs", "before terminate");
     if (count > 0 && (!references || !orders || !values))
-        return without_array(c, "setting derivatives of inputs");
+        return report_missing_array(c, "setting derivatives of inputs");
     const enum status status = check_references(c, references, count, orders, INPUT);
     for (size_t n = 0; status == OK && n < count; n++) {
         const struct variable *input = &model.variables[references[n]];
         c->u[input->rate_slot] = values[n];
-        c->u[input->given_slot] = 1.0;
+        c->u[input->has_rate_slot] = 1.0;
     }
     return status;
 }
 
-static void try_from(struct instance *c, const double *x, const double *u)
+static void copy_to_trial(struct instance *c, const double *x, const double *u)
 {
     memcpy(c->x_trial, x, model.x_size * sizeof(double));
     memcpy(c->u_trial, u, model.u_size * sizeof(double));
@@ -73,50 +74,53 @@ enum status get_rates(struct instance *c, const uint32_t references[], size_t co
     if (!c)
         return ERROR;
     if (!is_differentiable(c))
-        return out_of_order(c, "reading derivatives of outputs", "after exitInitializationMode");
+        return report_wrong_phase(c, "reading derivatives of outputs", "after exitInitializationMode");
     if (count > 0 && (!references || !orders || !values))
-        return without_array(c, "reading derivatives of outputs");
+        return report_missing_array(c, "reading derivatives of outputs");
     const enum status status = check_references(c, references, count, orders, OUTPUT);
     if (status != OK || count == 0)
         return status;
-    try_from(c, c->x, c->u);
+    copy_to_trial(c, c->x, c->u);
     memcpy(c->y_trial, c->y, model.y_size * sizeof(double));
-    const int64_t answer = call_kernel(OPERATION_OUTPUT_DERIVATIVES, c->p, c->d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0);
-    if (answer != STATUS_OK)
-        return explain(c, DISCARD, answer, c->u_trial, 0.0);
+    const int64_t kernel_status =
+        call_kernel(OPERATION_OUTPUT_DERIVATIVES, c->p, c->d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0);
+    if (kernel_status != STATUS_OK)
+        return report_kernel_status(c, DISCARD, kernel_status, c->u_trial, 0.0);
     for (size_t n = 0; n < count; n++)
         values[n] = c->y_trial[model.variables[references[n]].slot];
     return OK;
 }
 
-/* The outputs, had the knowns been changed: of the last step or, before the first, of the start. The constants are
-   then those of the changed parameters. */
-static int64_t try_change(struct instance *c, const uint32_t knowns[], size_t count,
+/* Compute the outputs with changed knowns: of the last step again or, before the first step, of the start. The
+   constants d then belong to the changed parameters. */
+static int64_t compute_trial(struct instance *c, const uint32_t knowns[], size_t count,
                           const double direction[], double scale, double *y)
 {
     const int stepped = c->head[LAST_STEP] > 0.0;
-    int tuned = 0;
-    try_from(c, stepped ? c->x_before : c->x, stepped ? c->u_before : c->u);
+    int changes_parameters = 0;
+    copy_to_trial(c, stepped ? c->x_before : c->x, stepped ? c->u_before : c->u);
     memcpy(c->p_trial, c->p, model.p_size * sizeof(double));
     for (size_t n = 0; n < count; n++) {
         const struct variable *known = &model.variables[knowns[n]];
         (known->array == INPUTS ? c->u_trial : c->p_trial)[known->slot] += scale * direction[n];
-        tuned |= stepped && known->array == PARAMETERS;
+        changes_parameters |= stepped && known->array == PARAMETERS;
     }
     for (size_t n = 0; n < count; n++) {
         const struct variable *known = &model.variables[knowns[n]];
         if (known->array == PARAMETERS && !is_allowed(known, c->p_trial[known->slot]))
             return OUT_OF_RANGE;
     }
-    const int64_t answer =
-        tuned ? call_kernel(OPERATION_UPDATE_PARAMETERS, c->p_trial, c->d, c->u_trial, c->x_trial, y, c->w, 0.0) : STATUS_OK;
-    if (answer != STATUS_OK)
-        return answer;
-    return call_kernel(stepped ? OPERATION_STEP_FOR_DIFFERENCING : OPERATION_START, c->p_trial, c->d, c->u_trial, c->x_trial, y,
-                  c->w, c->head[LAST_STEP]);
+    if (changes_parameters) {
+        const int64_t kernel_status =
+            call_kernel(OPERATION_UPDATE_PARAMETERS, c->p_trial, c->d, c->u_trial, c->x_trial, y, c->w, 0.0);
+        if (kernel_status != STATUS_OK)
+            return kernel_status;
+    }
+    const enum operation operation = stepped ? OPERATION_STEP_FOR_DIFFERENCING : OPERATION_START;
+    return call_kernel(operation, c->p_trial, c->d, c->u_trial, c->x_trial, y, c->w, c->head[LAST_STEP]);
 }
 
-/* How long the direction is, measured by the sizes of the knowns. */
+/* Return the length of the direction: the maximum of its numbers relative to the magnitudes of the knowns. */
 static double length_of(const struct instance *c, const uint32_t knowns[], size_t count,
                         const double direction[])
 {
@@ -124,28 +128,29 @@ static double length_of(const struct instance *c, const uint32_t knowns[], size_
     double length = 0.0;
     for (size_t n = 0; n < count; n++) {
         const struct variable *variable = &model.variables[knowns[n]];
-        const double value = (variable->array == INPUTS ? u : c->p)[variable->slot]; /* if not finite, refused later */
+        /* The kernel later rejects a value that is not finite. */
+        const double value = (variable->array == INPUTS ? u : c->p)[variable->slot];
         const double size = is_finite(value) ? fmax(fabs(value), variable->nominal) : variable->nominal;
         length = fmax(length, fabs(direction[n]) / size);
     }
     return length;
 }
 
-/* Make sure that there are outputs to differentiate, with or without numbers for each. */
+/* Check the references, arrays and phase of a call for partial derivatives. */
 static enum status check_call(struct instance *c, const uint32_t unknowns[], size_t unknown_count,
                               const double of_unknowns[], const uint32_t knowns[], size_t known_count,
                               const double of_knowns[])
 {
     if ((unknown_count > 0 && (!unknowns || !of_unknowns)) || (known_count > 0 && (!knowns || !of_knowns)))
-        return without_array(c, "computing derivatives");
+        return report_missing_array(c, "computing derivatives");
     const int at_start = phase_of(c) == INITIALIZING;
     if (check_references(c, unknowns, unknown_count, NULL, OUTPUT) != OK ||
         check_references(c, knowns, known_count, NULL, at_start ? AT_START : KNOWN) != OK)
         return ERROR;
     if (at_start)
-        return prepare(c, DISCARD);
+        return start_kernel(c, DISCARD);
     if (!is_differentiable(c))
-        return out_of_order(c, "computing derivatives", "after enterInitializationMode");
+        return report_wrong_phase(c, "computing derivatives", "after enterInitializationMode");
     return OK;
 }
 
@@ -153,38 +158,39 @@ static enum status check_numbers(struct instance *c, const double numbers[], siz
 {
     for (size_t n = 0; n < count; n++) {
         const double number = numbers[n];
-        if (!is_finite(number) || fabs(number) > LARGEST_NUMBER || (number != 0.0 && fabs(number) < SMALLEST_NUMBER))
+        if (!is_finite(number) || fabs(number) > MAX_NUMBER || (number != 0.0 && fabs(number) < MIN_NUMBER))
             return report(c, ERROR, "a number of a direction must be 0 or between 1e-100 and 1e100 in magnitude (got %s)",
-                          SHOWN(number));
+                          TEXT_OF(number));
     }
     return OK;
 }
 
-/* The outputs with the knowns changed both ways into y_trial and y_other; the change between them, or 0 for none. */
-static enum status try_both_ways(struct instance *c, const uint32_t knowns[], size_t count,
+/* Compute the outputs with the knowns changed in both directions into y_trial and y_other. ``change`` is the distance
+   between both, or 0 if the direction is 0. */
+static enum status compute_both_sides(struct instance *c, const uint32_t knowns[], size_t count,
                                  const double direction[], double *change)
 {
     const double length = length_of(c, knowns, count, direction);
     *change = 0.0;
     if (length == 0.0)
         return OK;
-    /* central differences; one-sided where the change leads out of what is allowed */
-    double forward = CHANGE / length, backward = -CHANGE / length;
-    int64_t answer = try_change(c, knowns, count, direction, forward, c->y_trial);
-    if (answer != STATUS_OK)
-        answer = try_change(c, knowns, count, direction, forward = 0.0, c->y_trial);
-    if (answer == STATUS_OK && try_change(c, knowns, count, direction, backward, c->y_other) != STATUS_OK)
-        answer = try_change(c, knowns, count, direction, backward = 0.0, c->y_other);
+    /* Central differences; one-sided differences if a change leaves the allowed range. */
+    double forward = RELATIVE_CHANGE / length, backward = -RELATIVE_CHANGE / length;
+    int64_t kernel_status = compute_trial(c, knowns, count, direction, forward, c->y_trial);
+    if (kernel_status != STATUS_OK)
+        kernel_status = compute_trial(c, knowns, count, direction, forward = 0.0, c->y_trial);
+    if (kernel_status == STATUS_OK && compute_trial(c, knowns, count, direction, backward, c->y_other) != STATUS_OK)
+        kernel_status = compute_trial(c, knowns, count, direction, backward = 0.0, c->y_other);
     size_t inputs = 0;
     while (inputs < count && model.variables[knowns[inputs]].array == INPUTS)
         inputs++;
-    if (inputs < count) /* a parameter is among them: the constants as they were */
+    if (inputs < count) /* a parameter has changed: restore the constants */
         call_kernel(OPERATION_UPDATE_PARAMETERS, c->p, c->d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0);
-    if (answer == STATUS_OK && forward == backward)
+    if (kernel_status == STATUS_OK && forward == backward)
         return report(c, DISCARD, "the perturbed inputs and parameters must be valid for at least one sign of the"
                       " direction");
-    if (answer != STATUS_OK)
-        return explain(c, DISCARD, answer, c->u_trial, c->head[LAST_STEP]);
+    if (kernel_status != STATUS_OK)
+        return report_kernel_status(c, DISCARD, kernel_status, c->u_trial, c->head[LAST_STEP]);
     *change = forward - backward;
     return OK;
 }
@@ -206,7 +212,7 @@ enum status directional(struct instance *c, const uint32_t unknowns[], size_t un
     if (status == OK)
         status = check_numbers(c, direction, known_count);
     if (status == OK && unknown_count > 0)
-        status = try_both_ways(c, knowns, known_count, direction, &change);
+        status = compute_both_sides(c, knowns, known_count, direction, &change);
     for (size_t n = 0; status == OK && n < unknown_count; n++)
         derivative[n] = slope_of(c, unknowns[n], change);
     return status;
@@ -223,7 +229,7 @@ enum status adjoint(struct instance *c, const uint32_t unknowns[], size_t unknow
     if (status == OK)
         status = check_numbers(c, seed, unknown_count);
     for (size_t n = 0; status == OK && n < known_count; n++) {
-        status = try_both_ways(c, &knowns[n], 1, &one, &change);
+        status = compute_both_sides(c, &knowns[n], 1, &one, &change);
         sensitivity[n] = 0.0;
         for (size_t m = 0; status == OK && m < unknown_count; m++)
             sensitivity[n] += seed[m] * slope_of(c, unknowns[m], change);

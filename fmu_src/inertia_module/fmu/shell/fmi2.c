@@ -20,11 +20,11 @@ const char *fmi2GetVersion(void)
     return fmi2Version;
 }
 
-/* The logger takes a text for a printf format. */
-static void hand_over(struct instance *c, enum status status, const char *category, const char *text)
+/* Forward a message to the logger of the host, which interprets it as a printf format. */
+static void forward_message(struct instance *c, enum status status, const char *category, const char *text)
 {
     const fmi2CallbackFunctions *const callbacks = &((struct component *)c)->callbacks;
-    char escaped[2 * LONGEST_MESSAGE];
+    char escaped[2 * MESSAGE_SIZE];
     size_t length = 0;
     for (; *text && length < sizeof escaped - 2; text++) {
         escaped[length++] = *text;
@@ -35,8 +35,8 @@ static void hand_over(struct instance *c, enum status status, const char *catego
     callbacks->logger(callbacks->componentEnvironment, c->name, (fmi2Status)status, category, escaped);
 }
 
-/* Refuse an instantiation: there is no instance yet that could report it. */
-static fmi2Component refuse(const fmi2CallbackFunctions *callbacks, const char *name, const char *message)
+/* Report why an instantiation is rejected. There is no instance that could report it. */
+static fmi2Component reject_instantiation(const fmi2CallbackFunctions *callbacks, const char *name, const char *message)
 {
     if (callbacks && callbacks->logger)
         callbacks->logger(callbacks->componentEnvironment, name ? name : "", fmi2Error, "logStatusError", message);
@@ -46,17 +46,17 @@ static fmi2Component refuse(const fmi2CallbackFunctions *callbacks, const char *
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging)
 {
-    struct host host = {hand_over, calloc, free};
+    struct host host = {forward_message, calloc, free};
     (void)resources;
     (void)visible;
     if (!callbacks)
         return NULL;
     if (!name || !*name)
-        return refuse(callbacks, name, "the instance name must not be empty");
+        return reject_instantiation(callbacks, name, "the instance name must not be empty");
     if (type != fmi2CoSimulation)
-        return refuse(callbacks, name, "the FMU type must be fmi2CoSimulation");
+        return reject_instantiation(callbacks, name, "the FMU type must be fmi2CoSimulation");
     if (!guid || strcmp(guid, model.guid) != 0)
-        return refuse(callbacks, name, "the GUID must match modelDescription.xml: import the FMU again");
+        return reject_instantiation(callbacks, name, "the GUID must match modelDescription.xml: import the FMU again");
     if (!callbacks->logger)
         host.log = NULL;
     if (callbacks->allocateMemory && callbacks->freeMemory) {
@@ -65,7 +65,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     }
     struct component *const c = (struct component *)create(&host, sizeof *c, name, logging);
     if (!c)
-        return refuse(callbacks, name, "not enough memory for an instance");
+        return reject_instantiation(callbacks, name, "not enough memory for an instance");
     c->callbacks = *callbacks;
     return c;
 }
@@ -77,13 +77,13 @@ void fmi2FreeInstance(fmi2Component c)
 
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count, const fmi2String categories[])
 {
-    return (fmi2Status)choose_logging(c, on != 0, count, categories);
+    return (fmi2Status)set_logging(c, on != 0, count, categories);
 }
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean tolerance_defined, fmi2Real tolerance,
                                fmi2Real start_time, fmi2Boolean stop_time_defined, fmi2Real stop_time)
 {
-    return (fmi2Status)set_up(c, tolerance_defined, tolerance, start_time, stop_time_defined, stop_time);
+    return (fmi2Status)set_experiment(c, tolerance_defined, tolerance, start_time, stop_time_defined, stop_time);
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c)
@@ -117,7 +117,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
     return (fmi2Status)do_step(c, time, step);
 }
 
-/* Beside FMI: many steps in one call. */
+/* An addition to FMI: many steps in one call. */
 FMI2_Export fmi2Status inertiaModuleRun(fmi2Component c, struct run *run);
 
 fmi2Status inertiaModuleRun(fmi2Component c, struct run *run)

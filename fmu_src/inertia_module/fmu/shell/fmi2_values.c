@@ -1,4 +1,4 @@
-/* Values by the types of FMI 2.0, and what may be asked about the last step. */
+/* Values by the types of FMI 2.0, and the status of the last step. */
 #include "fmi2Functions.h"
 #include "instance.h"
 
@@ -123,6 +123,6 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component component, const fmi2StatusKind ki
         return fmi2Error;
     if (kind != fmi2Terminated || !value)
         return (fmi2Status)report(c, DISCARD, "the kind of getBooleanStatus must be fmi2Terminated");
-    *value = fmi2False; /* a refused step ends no simulation */
+    *value = fmi2False; /* a rejected step does not end the simulation */
     return fmi2OK;
 }

@@ -9,13 +9,13 @@ const char *fmi3GetVersion(void)
     return fmi3Version;
 }
 
-static void hand_over(struct instance *c, enum status status, const char *category, const char *text)
+static void forward_message(struct instance *c, enum status status, const char *category, const char *text)
 {
     const struct component *const component = (struct component *)c;
     component->log(component->environment, (fmi3Status)status, category, text);
 }
 
-fmi3Instance refuse(fmi3InstanceEnvironment environment, fmi3LogMessageCallback log, const char *message)
+fmi3Instance reject_instantiation(fmi3InstanceEnvironment environment, fmi3LogMessageCallback log, const char *message)
 {
     if (log)
         log(environment, fmi3Error, "logStatusError", message);
@@ -28,20 +28,20 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
                                          fmi3IntermediateUpdateCallback update)
 {
-    const struct host host = {log ? hand_over : NULL, calloc, free};
+    const struct host host = {log ? forward_message : NULL, calloc, free};
     (void)resources;
     (void)visible;
     (void)intermediate; /* all variables can be read in an intermediate update */
     (void)intermediate_count;
     if (!name || !*name)
-        return refuse(environment, log, "the instance name must not be empty");
+        return reject_instantiation(environment, log, "the instance name must not be empty");
     if (!token || strcmp(token, model.guid) != 0)
-        return refuse(environment, log,
+        return reject_instantiation(environment, log,
                       "the instantiation token must match modelDescription.xml: import the FMU again");
     struct component *const c = (struct component *)create(&host, sizeof *c, name, logging);
     if (!c)
-        return refuse(environment, log, "not enough memory for an instance");
-    c->core.holds = 1;
+        return reject_instantiation(environment, log, "not enough memory for an instance");
+    c->core.holds_discrete = 1;
     c->environment = environment;
     c->log = log;
     c->update = update;
@@ -57,7 +57,7 @@ void fmi3FreeInstance(fmi3Instance c)
 
 fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t count, const fmi3String categories[])
 {
-    return (fmi3Status)choose_logging(c, on, count, categories);
+    return (fmi3Status)set_logging(c, on, count, categories);
 }
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean tolerance_defined, fmi3Float64 tolerance,
@@ -65,7 +65,7 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean tolerance_def
 {
     enum status status = OK;
     if (c && phase_of(c) == INSTANTIATED)
-        status = set_up(c, tolerance_defined, tolerance, start_time, stop_time_defined, stop_time);
+        status = set_experiment(c, tolerance_defined, tolerance, start_time, stop_time_defined, stop_time);
     return (fmi3Status)(status == OK ? enter_initialization(c) : status);
 }
 
@@ -74,14 +74,14 @@ fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
     const struct component *const c = instance;
     const enum status status = exit_initialization(instance, c && c->event_mode ? AT_EVENT : STEPPING);
     if (status == OK)
-        hold_discrete(instance);
+        store_discrete(instance);
     return (fmi3Status)status;
 }
 
 fmi3Status fmi3Terminate(fmi3Instance c)
 {
     if (c && phase_of(c) == AT_EVENT)
-        hold_discrete(c);
+        store_discrete(c);
     return (fmi3Status)terminate(c);
 }
 

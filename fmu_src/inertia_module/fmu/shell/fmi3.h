@@ -1,4 +1,4 @@
-/* An instance as FMI 3.0 has it. */
+/* An instance of FMI 3.0. */
 #ifndef FMI3_H
 #define FMI3_H
 
@@ -10,14 +10,15 @@ struct component {
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
     fmi3IntermediateUpdateCallback update;
-    int event_mode;   /* whether the host uses it */
-    int early_return; /* whether the host allows it */
+    int event_mode;   /* 1 if the host uses it */
+    int early_return; /* 1 if the host allows it */
 };
 
-/* Refuse an instantiation: there is no instance yet that could report it. */
-INTERNAL fmi3Instance refuse(fmi3InstanceEnvironment environment, fmi3LogMessageCallback log, const char *message);
+/* Report why an instantiation is rejected. There is no instance that could report it. */
+INTERNAL fmi3Instance reject_instantiation(fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
+                                           const char *message);
 
-/* Whether there is an instance and a value for each reference: none of the variables is an array. */
+/* Check that there is an instance and one value for each reference, because no variable is an array. */
 INTERNAL fmi3Status check_count(struct instance *c, size_t count, size_t value_count);
 
 #endif

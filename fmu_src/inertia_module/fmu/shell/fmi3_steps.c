@@ -1,7 +1,7 @@
 /* Steps and events of FMI 3.0. */
 #include "fmi3.h"
 
-/* Let the host look at the instance as it is, and whether a step has ended there. */
+/* Call the intermediate update of the host at the present time. ``finished``: 1 at the end of a step. */
 static void show_instance(struct instance *core, int finished)
 {
     struct component *const c = (struct component *)core;
@@ -17,27 +17,27 @@ static void show_within(struct instance *core)
     show_instance(core, 0);
 }
 
-/* A step as the host that made the instance allows it. */
+/* Make a step that stops at events if the host allows early return. */
 static enum status do_step(struct instance *c, double time, double step)
 {
     const struct component *const component = (struct component *)c;
-    const int stops = component->early_return && model.switching_slot >= 0;
+    const int stops = component->early_return && model.event_slot >= 0;
     const enum status status = take_step(c, stops ? OPERATION_STEP_UNTIL_EVENT : OPERATION_STEP_ONLY, time, step);
     if (status == OK && component->update && !stops)
-        show_switches(c, time, show_within);
+        replay_events(c, time, show_within);
     return status;
 }
 
-/* What comes after a step, the answers of it given. */
+/* Handle the pending event and call the intermediate update after the results of a step are written. */
 static void end_step(struct instance *c)
 {
     const struct component *const component = (struct component *)c;
     if (!component->event_mode)
-        carry_out_switch(c);
+        handle_pending_event(c);
     if (component->update)
         show_instance(c, 1);
     if (!component->event_mode)
-        hold_discrete(c);
+        store_discrete(c);
 }
 
 fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step, fmi3Boolean no_state_prior,
@@ -50,9 +50,9 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
     if (!c)
         return fmi3Error;
     if (!event_handling_needed || !terminate_simulation || !early_return || !last_successful_time)
-        return (fmi3Status)without_array(c, "doStep");
+        return (fmi3Status)report_missing_array(c, "doStep");
     const enum status status = do_step(c, time, step);
-    *event_handling_needed = status == OK && component->event_mode && (has_stopped(c) || has_discrete_change(c));
+    *event_handling_needed = status == OK && component->event_mode && (has_pending_event(c) || has_discrete_change(c));
     *early_return = status == OK && c->head[LAST_STEP] < step;
     *terminate_simulation = false;
     *last_successful_time = c->head[TIME];
@@ -69,14 +69,14 @@ static enum status do_whole_step(struct instance *c, double time, double step)
     return status;
 }
 
-/* Beside FMI: many steps in one call, of an instance whose steps end where they shall. */
+/* An addition to FMI: many steps in one call, for an instance whose steps do not stop at events. */
 FMI3_Export fmi3Status inertiaModuleRun(fmi3Instance instance, struct run *run);
 
 fmi3Status inertiaModuleRun(fmi3Instance instance, struct run *run)
 {
     struct component *const c = instance;
     if (c && (c->event_mode || c->early_return))
-        return (fmi3Status)out_of_order(&c->core, "a run", "without event mode and early return");
+        return (fmi3Status)report_wrong_phase(&c->core, "a run", "without event mode and early return");
     return (fmi3Status)take_steps(instance, run, do_whole_step);
 }
 
@@ -86,7 +86,7 @@ fmi3Status fmi3EnterEventMode(fmi3Instance instance)
     if (!c)
         return fmi3Error;
     if (!c->event_mode || phase_of(&c->core) != STEPPING)
-        return (fmi3Status)out_of_order(&c->core, "enterEventMode",
+        return (fmi3Status)report_wrong_phase(&c->core, "enterEventMode",
                                         "in step mode of an instance with eventModeUsed = true");
     c->core.head[PHASE] = AT_EVENT;
     return fmi3OK;
@@ -98,8 +98,8 @@ fmi3Status fmi3EnterStepMode(fmi3Instance instance)
     if (!c)
         return fmi3Error;
     if (phase_of(c) != AT_EVENT)
-        return (fmi3Status)out_of_order(c, "enterStepMode", "in event mode");
-    hold_discrete(c);
+        return (fmi3Status)report_wrong_phase(c, "enterStepMode", "in event mode");
+    store_discrete(c);
     c->head[PHASE] = STEPPING;
     return fmi3OK;
 }
@@ -112,10 +112,10 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *needs_up
     if (!c)
         return fmi3Error;
     if (phase_of(c) != AT_EVENT)
-        return (fmi3Status)out_of_order(c, "updateDiscreteStates", "in event mode");
+        return (fmi3Status)report_wrong_phase(c, "updateDiscreteStates", "in event mode");
     if (!needs_update || !terminates || !nominals_changed || !values_changed || !next_event_defined || !next_event)
-        return (fmi3Status)without_array(c, "updateDiscreteStates");
-    carry_out_switch(c);
+        return (fmi3Status)report_missing_array(c, "updateDiscreteStates");
+    handle_pending_event(c);
     *needs_update = *terminates = *nominals_changed = *values_changed = *next_event_defined = false;
     return fmi3OK;
 }

@@ -1,6 +1,7 @@
-/* Functions of FMI 3.0 that a host looks for in every library and that this FMU has no use for: they are refused.
+/* Functions of FMI 3.0 that every library must export and that this FMU does not support. They return an error.
  *
- * No variable is of the types here, no clocks, no configuration mode; no model exchange, no scheduled execution.
+ * The FMU has no variables of these types, no clocks and no configuration mode. It supports neither model exchange nor
+ * scheduled execution.
  */
 #include "fmi3.h"
 
@@ -60,7 +61,7 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi
                                           fmi3Boolean visible, fmi3Boolean logging,
                                           fmi3InstanceEnvironment environment, fmi3LogMessageCallback log)
 {
-    return refuse(environment, log, "the interface type must be co-simulation (got model exchange)");
+    return reject_instantiation(environment, log, "the interface type must be co-simulation (got model exchange)");
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
@@ -69,52 +70,52 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token
                                                fmi3ClockUpdateCallback update, fmi3LockPreemptionCallback lock,
                                                fmi3UnlockPreemptionCallback unlock)
 {
-    return refuse(environment, log, "the interface type must be co-simulation (got scheduled execution)");
+    return reject_instantiation(environment, log, "the interface type must be co-simulation (got scheduled execution)");
 }
 
-static fmi3Status not_offered(struct instance *c, const char *call)
+static fmi3Status not_supported(struct instance *c, const char *call)
 {
     return c ? (fmi3Status)report(c, ERROR, "%s is not supported (see the capabilities in modelDescription.xml)", call)
              : fmi3Error;
 }
 
-#define NOT_OFFERED(Call, ...)          \
+#define NOT_SUPPORTED(Call, ...)          \
     fmi3Status fmi3##Call(__VA_ARGS__)  \
     {                                   \
-        return not_offered(c, #Call);   \
+        return not_supported(c, #Call);   \
     }
 
-NOT_OFFERED(GetNumberOfVariableDependencies, fmi3Instance c, fmi3ValueReference reference, size_t *count)
-NOT_OFFERED(GetVariableDependencies, fmi3Instance c, fmi3ValueReference dependent, size_t elements[],
+NOT_SUPPORTED(GetNumberOfVariableDependencies, fmi3Instance c, fmi3ValueReference reference, size_t *count)
+NOT_SUPPORTED(GetVariableDependencies, fmi3Instance c, fmi3ValueReference dependent, size_t elements[],
             fmi3ValueReference independents[], size_t other_elements[], fmi3DependencyKind kinds[], size_t count)
-NOT_OFFERED(EnterConfigurationMode, fmi3Instance c)
-NOT_OFFERED(ExitConfigurationMode, fmi3Instance c)
-NOT_OFFERED(GetIntervalDecimal, fmi3Instance c, const fmi3ValueReference references[], size_t count,
+NOT_SUPPORTED(EnterConfigurationMode, fmi3Instance c)
+NOT_SUPPORTED(ExitConfigurationMode, fmi3Instance c)
+NOT_SUPPORTED(GetIntervalDecimal, fmi3Instance c, const fmi3ValueReference references[], size_t count,
             fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
-NOT_OFFERED(GetIntervalFraction, fmi3Instance c, const fmi3ValueReference references[], size_t count,
+NOT_SUPPORTED(GetIntervalFraction, fmi3Instance c, const fmi3ValueReference references[], size_t count,
             fmi3UInt64 counters[], fmi3UInt64 resolutions[], fmi3IntervalQualifier qualifiers[])
-NOT_OFFERED(GetShiftDecimal, fmi3Instance c, const fmi3ValueReference references[], size_t count,
+NOT_SUPPORTED(GetShiftDecimal, fmi3Instance c, const fmi3ValueReference references[], size_t count,
             fmi3Float64 shifts[])
-NOT_OFFERED(GetShiftFraction, fmi3Instance c, const fmi3ValueReference references[], size_t count,
+NOT_SUPPORTED(GetShiftFraction, fmi3Instance c, const fmi3ValueReference references[], size_t count,
             fmi3UInt64 counters[], fmi3UInt64 resolutions[])
-NOT_OFFERED(SetIntervalDecimal, fmi3Instance c, const fmi3ValueReference references[], size_t count, const
+NOT_SUPPORTED(SetIntervalDecimal, fmi3Instance c, const fmi3ValueReference references[], size_t count, const
             fmi3Float64 intervals[])
-NOT_OFFERED(SetIntervalFraction, fmi3Instance c, const fmi3ValueReference references[], size_t count,
+NOT_SUPPORTED(SetIntervalFraction, fmi3Instance c, const fmi3ValueReference references[], size_t count,
             const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
-NOT_OFFERED(SetShiftDecimal, fmi3Instance c, const fmi3ValueReference references[], size_t count, const
+NOT_SUPPORTED(SetShiftDecimal, fmi3Instance c, const fmi3ValueReference references[], size_t count, const
             fmi3Float64 shifts[])
-NOT_OFFERED(SetShiftFraction, fmi3Instance c, const fmi3ValueReference references[], size_t count, const
+NOT_SUPPORTED(SetShiftFraction, fmi3Instance c, const fmi3ValueReference references[], size_t count, const
             fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
-NOT_OFFERED(EvaluateDiscreteStates, fmi3Instance c)
-NOT_OFFERED(EnterContinuousTimeMode, fmi3Instance c)
-NOT_OFFERED(CompletedIntegratorStep, fmi3Instance c, fmi3Boolean no_state_prior, fmi3Boolean *event,
+NOT_SUPPORTED(EvaluateDiscreteStates, fmi3Instance c)
+NOT_SUPPORTED(EnterContinuousTimeMode, fmi3Instance c)
+NOT_SUPPORTED(CompletedIntegratorStep, fmi3Instance c, fmi3Boolean no_state_prior, fmi3Boolean *event,
             fmi3Boolean *terminate)
-NOT_OFFERED(SetTime, fmi3Instance c, fmi3Float64 time)
-NOT_OFFERED(SetContinuousStates, fmi3Instance c, const fmi3Float64 states[], size_t count)
-NOT_OFFERED(GetContinuousStateDerivatives, fmi3Instance c, fmi3Float64 derivatives[], size_t count)
-NOT_OFFERED(GetEventIndicators, fmi3Instance c, fmi3Float64 indicators[], size_t count)
-NOT_OFFERED(GetContinuousStates, fmi3Instance c, fmi3Float64 states[], size_t count)
-NOT_OFFERED(GetNominalsOfContinuousStates, fmi3Instance c, fmi3Float64 nominals[], size_t count)
-NOT_OFFERED(GetNumberOfEventIndicators, fmi3Instance c, size_t *count)
-NOT_OFFERED(GetNumberOfContinuousStates, fmi3Instance c, size_t *count)
-NOT_OFFERED(ActivateModelPartition, fmi3Instance c, fmi3ValueReference reference, fmi3Float64 time)
+NOT_SUPPORTED(SetTime, fmi3Instance c, fmi3Float64 time)
+NOT_SUPPORTED(SetContinuousStates, fmi3Instance c, const fmi3Float64 states[], size_t count)
+NOT_SUPPORTED(GetContinuousStateDerivatives, fmi3Instance c, fmi3Float64 derivatives[], size_t count)
+NOT_SUPPORTED(GetEventIndicators, fmi3Instance c, fmi3Float64 indicators[], size_t count)
+NOT_SUPPORTED(GetContinuousStates, fmi3Instance c, fmi3Float64 states[], size_t count)
+NOT_SUPPORTED(GetNominalsOfContinuousStates, fmi3Instance c, fmi3Float64 nominals[], size_t count)
+NOT_SUPPORTED(GetNumberOfEventIndicators, fmi3Instance c, size_t *count)
+NOT_SUPPORTED(GetNumberOfContinuousStates, fmi3Instance c, size_t *count)
+NOT_SUPPORTED(ActivateModelPartition, fmi3Instance c, fmi3ValueReference reference, fmi3Float64 time)

@@ -11,7 +11,7 @@ static void write_boolean(void *values, size_t n, double value)
     ((fmi3Boolean *)values)[n] = value != 0.0;
 }
 
-/* Enumerations are of 64 bits; those here are small whole numbers, or not checked yet. */
+/* Enumerations have 64 bits. Their values are small whole numbers, or not yet checked. */
 static double read_long(const void *values, size_t n)
 {
     return (double)((const fmi3Int64 *)values)[n];
@@ -38,7 +38,7 @@ fmi3Status check_count(struct instance *c, size_t count, size_t value_count)
                                                      (unsigned long)count, (unsigned long)value_count);
 }
 
-/* The pair of functions for a type that some variables are of. */
+/* The two functions of a type that some variables have. */
 #define ACCESS(Type, type)                                                                                           \
     fmi3Status fmi3Get##Type(fmi3Instance c, const fmi3ValueReference references[], size_t count,                     \
                              fmi3##Type values[], size_t value_count)                                                 \

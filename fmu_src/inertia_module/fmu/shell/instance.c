@@ -48,7 +48,7 @@ int is_differentiable(const struct instance *c)
     return is_running(c) || phase_of(c) == TERMINATED || phase_of(c) == UPDATING;
 }
 
-/* Start values, as after instantiation. */
+/* Set all variables to their start values, as after instantiation. */
 static void set_start_values(struct instance *c)
 {
     memset(c->block, 0, block_size() * sizeof(double));
@@ -62,8 +62,8 @@ static void set_start_values(struct instance *c)
     }
 }
 
-/* Cut the instance's memory into its arrays. */
-static void lay_out(struct instance *c, double *memory)
+/* Set the pointers of the arrays into the memory of the instance. */
+static void assign_arrays(struct instance *c, double *memory)
 {
     double **const arrays[] = {&c->head, &c->p, &c->d, &c->u, &c->x, &c->y, &c->x_before, &c->u_before,
                                &c->held, &c->w, &c->p_trial, &c->x_trial, &c->u_trial, &c->y_trial, &c->y_other,
@@ -99,7 +99,7 @@ struct instance *create(const struct host *host, size_t size, const char *name, 
     memset(c, 0, size);
     memset(memory, 0, doubles);
     c->host = *host;
-    lay_out(c, memory);
+    assign_arrays(c, memory);
     c->name = memcpy((char *)memory + doubles, name, letters);
     for (int n = 0; n < CATEGORIES; n++)
         c->logged[n] = logging && n != LOG_STEPS && n != LOG_ALL;
@@ -117,20 +117,20 @@ void destroy(struct instance *c)
     host.release(c);
 }
 
-enum status set_up(struct instance *c, int tolerance_defined, double tolerance, double start_time,
+enum status set_experiment(struct instance *c, int tolerance_defined, double tolerance, double start_time,
                    int stop_time_defined, double stop_time)
 {
     if (!c)
         return ERROR;
     if (phase_of(c) != INSTANTIATED)
-        return out_of_order(c, "setupExperiment", "before enterInitializationMode");
+        return report_wrong_phase(c, "setupExperiment", "before enterInitializationMode");
     if (!is_finite(start_time))
-        return report(c, ERROR, "start time must be a finite number of seconds (got %s)", SHOWN(start_time));
+        return report(c, ERROR, "start time must be a finite number of seconds (got %s)", TEXT_OF(start_time));
     if (stop_time_defined && !(is_number(stop_time) && stop_time >= start_time))
-        return report(c, ERROR, "stop time must be at least the start time %s s (got %s)", SHOWN(start_time),
-                      SHOWN(stop_time));
+        return report(c, ERROR, "stop time must be at least the start time %s s (got %s)", TEXT_OF(start_time),
+                      TEXT_OF(stop_time));
     if (tolerance_defined && !(is_finite(tolerance) && tolerance > 0.0))
-        return report(c, ERROR, "tolerance must be a positive number (got %s)", SHOWN(tolerance));
+        return report(c, ERROR, "tolerance must be a positive number (got %s)", TEXT_OF(tolerance));
     c->head[TOLERANCE] = tolerance_defined ? tolerance : NAN;
     c->head[STOP_TIME] = stop_time_defined ? stop_time : INFINITY;
     c->head[TIME] = start_time;
@@ -142,7 +142,7 @@ enum status enter_initialization(struct instance *c)
     if (!c)
         return ERROR;
     if (phase_of(c) != INSTANTIATED)
-        return out_of_order(c, "enterInitializationMode", "directly after instantiation or reset");
+        return report_wrong_phase(c, "enterInitializationMode", "directly after instantiation or reset");
     if (model.tolerance_slot >= 0 && is_number(c->head[TOLERANCE]))
         c->p[model.tolerance_slot] = c->head[TOLERANCE];
     c->head[PHASE] = INITIALIZING;
@@ -156,34 +156,34 @@ int is_allowed(const struct variable *variable, double value)
     return value >= variable->minimum && value <= variable->maximum;
 }
 
-enum status prepare(struct instance *c, enum status refused)
+enum status start_kernel(struct instance *c, enum status failure)
 {
     enum status status = OK;
-    if (c->head[PREPARED])
+    if (c->head[STARTED])
         return OK;
     for (size_t n = 0; n < model.variable_count; n++) {
         const struct variable *variable = &model.variables[n];
         if (variable->array != PARAMETERS || is_allowed(variable, c->p[variable->slot]))
             continue;
-        status = report(c, refused, "%s must be %s (got %s)", variable->name, variable->allowed,
-                        SHOWN(c->p[variable->slot]));
+        status = report(c, failure, "%s must be %s (got %s)", variable->name, variable->allowed,
+                        TEXT_OF(c->p[variable->slot]));
     }
     if (status != OK)
         return status;
-    const int64_t answer = call_kernel(OPERATION_START, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
-    if (answer != STATUS_OK)
-        return explain(c, refused, answer, c->u, 0.0);
-    c->head[PREPARED] = 1.0;
-    c->head[COMPLETE] = 1.0;
+    const int64_t kernel_status = call_kernel(OPERATION_START, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
+    if (kernel_status != STATUS_OK)
+        return report_kernel_status(c, failure, kernel_status, c->u, 0.0);
+    c->head[STARTED] = 1.0;
+    c->head[LATE_COMPUTED] = 1.0;
     return OK;
 }
 
-void complete(struct instance *c)
+void compute_late_outputs(struct instance *c)
 {
-    if (c->head[COMPLETE] || !c->head[PREPARED])
+    if (c->head[LATE_COMPUTED] || !c->head[STARTED])
         return;
     call_kernel(OPERATION_OUTPUTS, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
-    c->head[COMPLETE] = 1.0;
+    c->head[LATE_COMPUTED] = 1.0;
 }
 
 enum status exit_initialization(struct instance *c, enum phase next)
@@ -191,11 +191,11 @@ enum status exit_initialization(struct instance *c, enum phase next)
     if (!c)
         return ERROR;
     if (phase_of(c) != INITIALIZING)
-        return out_of_order(c, "exitInitializationMode", "after enterInitializationMode");
-    const enum status status = prepare(c, ERROR);
-    c->head[PHASE] = status == OK ? next : REFUSED;
+        return report_wrong_phase(c, "exitInitializationMode", "after enterInitializationMode");
+    const enum status status = start_kernel(c, ERROR);
+    c->head[PHASE] = status == OK ? next : FAILED;
     if (status == OK)
-        warn(c);
+        log_warnings(c);
     return status;
 }
 
@@ -203,20 +203,20 @@ enum status terminate(struct instance *c)
 {
     if (!c)
         return ERROR;
-    if (check_no_update(c, "terminate") != OK)
+    if (check_not_updating(c, "terminate") != OK)
         return ERROR;
     if (!is_running(c))
-        return out_of_order(c, "terminate", "after exitInitializationMode");
+        return report_wrong_phase(c, "terminate", "after exitInitializationMode");
     c->head[PHASE] = TERMINATED;
     return OK;
 }
 
-enum status check_no_update(struct instance *c, const char *call)
+enum status check_not_updating(struct instance *c, const char *call)
 {
-    return phase_of(c) == UPDATING ? out_of_order(c, call, "between steps") : OK;
+    return phase_of(c) == UPDATING ? report_wrong_phase(c, call, "between steps") : OK;
 }
 
-void hold_discrete(struct instance *c)
+void store_discrete(struct instance *c)
 {
     for (size_t n = 0; n < model.discrete_count; n++)
         c->held[n] = c->y[model.discrete[n]];
@@ -232,7 +232,7 @@ int has_discrete_change(const struct instance *c)
 
 enum status reset(struct instance *c)
 {
-    if (!c || check_no_update(c, "reset") != OK)
+    if (!c || check_not_updating(c, "reset") != OK)
         return ERROR;
     set_start_values(c);
     return OK;

@@ -1,20 +1,21 @@
-/* One instance of the FMU, whatever the version of FMI, and what the files of the shell share of it. */
+/* An instance of the FMU, independent of the version of FMI, and the functions that the files of the shell share. */
 #ifndef INSTANCE_H
 #define INSTANCE_H
 
 #include "model.h"
 
-/* what a call answers, by the numbers of FMI 2.0 and 3.0 */
+/* Status of a call, with the numbers of FMI 2.0 and 3.0. */
 enum status { OK, WARNING, DISCARD, ERROR };
 
-enum phase { INSTANTIATED, INITIALIZING, STEPPING, REFUSED, TERMINATED, AT_EVENT, UPDATING, PHASES };
+enum phase { INSTANTIATED, INITIALIZING, STEPPING, FAILED, TERMINATED, AT_EVENT, UPDATING, PHASES };
 
 enum category { LOG_WARNING, LOG_DISCARD, LOG_ERROR, LOG_STEPS, LOG_ALL, CATEGORIES };
 
-/* Numbers of the shell that belong to the state, in front of the kernel's arrays. */
-enum head { PHASE, TOLERANCE, STOP_TIME, TIME, LAST_STEP, PREPARED, COMPLETE, HEAD_SIZE };
+/* Numbers of the shell that belong to the state, before the arrays of the kernel. STARTED: the kernel has started
+   with the present parameters. LATE_COMPUTED: the late outputs belong to the present state. */
+enum head { PHASE, TOLERANCE, STOP_TIME, TIME, LAST_STEP, STARTED, LATE_COMPUTED, HEAD_SIZE };
 
-/* A saved state: a link of the list of its instance, then a copy of the instance's block. */
+/* A saved state: a link of the list of its instance, and a copy of the instance's block. */
 struct saved {
     struct saved *next;
     struct saved *previous;
@@ -23,17 +24,17 @@ struct saved {
 
 struct instance;
 
-/* What the version of FMI and the host give an instance to work with. */
+/* Functions of the host for logging and memory. */
 struct host {
     void (*log)(struct instance *c, enum status status, const char *category, const char *text);
     void *(*allocate)(size_t count, size_t size);
     void (*release)(void *memory);
 };
 
-/* A host's type of values: which kinds of variables are of it, and how a value is read from an array and written. */
+/* A type of values in calls: the kinds of variables that have it, and functions that read and write a value. */
 struct type {
     const char *name;
-    unsigned kinds; /* 1 << kind of each */
+    unsigned kinds; /* sum of 1 << kind */
     double (*read)(const void *values, size_t n);
     void (*write)(void *values, size_t n, double value);
 };
@@ -42,91 +43,94 @@ struct instance {
     struct host host;
     char *name;
     int logged[CATEGORIES];
-    int holds;             /* whether discrete values are held in step mode */
-    int warned;            /* of a communication point that is not the time reached */
+    int holds_discrete;            /* 1 if discrete values are constant in step mode (FMI 3.0) */
+    int warned;            /* 1 after the warning of a wrong communication point */
     struct saved *states;
-    /* the state: head, p, d, u, x, y, x and u at the beginning of the last step, and discrete values, in one block */
+    /* The state in one block: head, p, d, u, x, y, x and u at the beginning of the last step, discrete values. */
     double *block;
     double *head, *p, *d, *u, *x, *y, *x_before, *u_before, *held;
     double *values[ARRAYS];
-    /* not part of the state: workspace of the kernel, and arrays to try things out on */
+    /* Not part of the state: workspace of the kernel, and arrays for trial calls. */
     double *w, *p_trial, *x_trial, *u_trial, *y_trial, *y_other, *x_end, *y_end;
 };
 
-/* Whether a double is a number, infinities included; whether it is finite. By its bits: a comparison with NaN is an
-   exception, which interrupts in some hosts. */
+/* Return 1 if a double is not NaN, or if it is finite. The functions use its bits, because a comparison with NaN is a
+   floating-point exception, which interrupts some hosts. */
 INTERNAL int is_number(double value);
 INTERNAL int is_finite(double value);
 
-/* doubles in the block of a state */
+/* Number of doubles in the block of a state. */
 INTERNAL size_t block_size(void);
 
-/* letters of a message at most, its end included */
-#define LONGEST_MESSAGE 1024
+/* Maximum size of a message, with its final 0. */
+#define MESSAGE_SIZE 1024
 
-/* how an instance in a phase is called in messages */
+/* Names of the phases in messages. */
 INTERNAL const char *const phase_names[PHASES];
 
 INTERNAL enum phase phase_of(const struct instance *c);
 
-/* Whether an instance takes steps: is between them or at an event; whether its outputs can be differentiated. */
+/* Return 1 between steps or at an event. Return 1 if derivatives of the outputs are available. */
 INTERNAL int is_running(const struct instance *c);
 INTERNAL int is_differentiable(const struct instance *c);
 
-/* A number as text, the same on every platform and in every country; SHOWN brings the memory for it. */
+/* Return a number as text, which is the same on every platform and in every locale. TEXT_OF provides the memory. */
 #define NUMBER_SIZE 40
-#define SHOWN(value) show((char[NUMBER_SIZE]){0}, value)
-INTERNAL const char *show(char *text, double value);
+#define TEXT_OF(value) number_text((char[NUMBER_SIZE]){0}, value)
+INTERNAL const char *number_text(char *text, double value);
 
-/* Log a message if its category is on (errors always are) and return the status. Numbers: see SHOWN. */
+/* Log a message if its category is on (errors always are) and return the status. Write numbers with TEXT_OF. */
 INTERNAL enum status report(struct instance *c, enum status status, const char *format, ...)
 #if defined __GNUC__
     __attribute__((format(printf, 3, 4)))
 #endif
     ;
 
-/* Report a call that does not belong to the phase, and one without its arrays: an error. */
-INTERNAL enum status out_of_order(struct instance *c, const char *call, const char *allowed);
-INTERNAL enum status without_array(struct instance *c, const char *call);
+/* Report a call that is not allowed in the present phase, or a call with a NULL array, and return ERROR. */
+INTERNAL enum status report_wrong_phase(struct instance *c, const char *call, const char *allowed);
+INTERNAL enum status report_missing_array(struct instance *c, const char *call);
 
-/* Report what the model says of a status of its kernel, with the values in u. */
-INTERNAL enum status explain(struct instance *c, enum status status, int64_t answer, const double *u, double step);
+/* Report the message of a status of the kernel, with the values of inputs in u, and return ``status``. */
+INTERNAL enum status report_kernel_status(struct instance *c, enum status status, int64_t kernel_status,
+                                          const double *u, double step);
 
-/* Log what cannot be built of a mechanism that is accepted. */
-INTERNAL void warn(struct instance *c);
+/* Log the warnings of the model, such as a mechanism that cannot be built. */
+INTERNAL void log_warnings(struct instance *c);
 
-/* Log the traced values of a step, if that is wanted. */
-INTERNAL void trace(struct instance *c, double step);
+/* Log the traced values of a step if the category logSteps is on. */
+INTERNAL void log_step(struct instance *c, double step);
 
-INTERNAL enum status choose_logging(struct instance *c, int on, size_t count, const char *const categories[]);
+INTERNAL enum status set_logging(struct instance *c, int on, size_t count, const char *const categories[]);
 
-/* Life. An instance is the first member of what a version of FMI makes of it, SIZE bytes in all; NULL: no memory. */
+/* Life of an instance. It is the first member of a larger struct of ``size`` bytes, which depends on the version of
+   FMI. ``create`` returns NULL if there is not enough memory. */
 INTERNAL struct instance *create(const struct host *host, size_t size, const char *name, int logging);
 INTERNAL void destroy(struct instance *c);
-INTERNAL enum status set_up(struct instance *c, int tolerance_defined, double tolerance, double start_time,
+INTERNAL enum status set_experiment(struct instance *c, int tolerance_defined, double tolerance, double start_time,
                    int stop_time_defined, double stop_time);
 INTERNAL enum status enter_initialization(struct instance *c);
 INTERNAL enum status exit_initialization(struct instance *c, enum phase next);
 INTERNAL enum status terminate(struct instance *c);
 INTERNAL enum status reset(struct instance *c);
 
-/* Report a call that must not come in an intermediate update: an error; else OK. */
-INTERNAL enum status check_no_update(struct instance *c, const char *call);
+/* Report a call that is not allowed in an intermediate update and return ERROR; otherwise return OK. */
+INTERNAL enum status check_not_updating(struct instance *c, const char *call);
 
-/* Hold the discrete values as they are now, up to the next event; whether they have changed since. */
-INTERNAL void hold_discrete(struct instance *c);
+/* Store the present discrete values, which are valid up to the next event. Return 1 if they have changed since. */
+INTERNAL void store_discrete(struct instance *c);
 INTERNAL int has_discrete_change(const struct instance *c);
 
-/* Whether a parameter is finite, whole where it has to be, and within its range. */
+/* Return 1 if a parameter is not NaN, a whole number if its kind requires this, and within its range. */
 INTERNAL int is_allowed(const struct variable *variable, double value);
 
-/* Check the parameters and let the kernel start, unless that has been done since the last change. */
-INTERNAL enum status prepare(struct instance *c, enum status refused);
+/* Check the parameters and start the kernel, unless it has started since the last change. If the parameters are
+   rejected, return ``failure``. */
+INTERNAL enum status start_kernel(struct instance *c, enum status failure);
 
-/* Have the late outputs filled in, if they are not and can be. */
-INTERNAL void complete(struct instance *c);
+/* Compute the late outputs, unless they are valid or the kernel has not started. */
+INTERNAL void compute_late_outputs(struct instance *c);
 
-/* Values by their references: all of a call are read or set, or none. */
+/* Read or set values by their references: either all values of a call or none. */
 INTERNAL enum status get_values(struct instance *c, const uint32_t references[], size_t count, void *values,
                        const struct type *type);
 INTERNAL enum status set_values(struct instance *c, const uint32_t references[], size_t count, const void *values,
@@ -136,31 +140,32 @@ INTERNAL double read_integer(const void *values, size_t n);
 INTERNAL void write_real(void *values, size_t n, double value);
 INTERNAL void write_integer(void *values, size_t n, double value);
 
-/* Steps by an operation of the kernel; whether the last one has stopped at a switch that is yet to be carried out. */
+/* Make a step by an operation of the kernel. Return 1 if the last step has stopped just before an event. */
 INTERNAL enum status take_step(struct instance *c, enum operation operation, double time, double step);
-INTERNAL int has_stopped(const struct instance *c);
-INTERNAL void carry_out_switch(struct instance *c);
+INTERNAL int has_pending_event(const struct instance *c);
+INTERNAL void handle_pending_event(struct instance *c);
 
-/* A run: many steps in one call, with the bits of a loop of calls that read, set and step. */
+/* A run: many steps in one call, with the same bits as a loop of calls that read, set and step. */
 struct run {
-    double time;      /* of the next step */
-    size_t steps;     /* to take, then those taken */
+    double time;      /* beginning of the next step */
+    size_t steps;     /* number of steps to make; afterwards number of steps made */
     const double *lengths;
     size_t input_count;
     const uint32_t *inputs;
-    const double *set; /* of inputs, a row for each step */
+    const double *set; /* values of the inputs, one row for each step */
     size_t output_count;
     const uint32_t *outputs;
-    double *read;      /* of outputs of any type, a row before the first step and one after each */
-    size_t row_size;   /* from one of these rows to the next */
+    double *read;      /* values of the outputs, one row before the first step and one after each step */
+    size_t row_size;   /* distance between these rows, in doubles */
 };
 INTERNAL enum status take_steps(struct instance *c, struct run *run,
                        enum status (*step)(struct instance *c, double time, double length));
 
-/* Go through the last step, which began at a time, once more and show the instance as it is after its switches. */
-INTERNAL void show_switches(struct instance *c, double time, void (*show)(struct instance *c));
+/* Repeat the last step, which began at ``time``, and call ``show`` after each of its events. */
+INTERNAL void replay_events(struct instance *c, double time, void (*show)(struct instance *c));
 
-/* Derivatives: of inputs and outputs by time, orders must be 1; of outputs by inputs and tunable parameters. */
+/* Time derivatives of inputs and outputs (orders must be 1). Partial derivatives of outputs with respect to inputs and
+   tunable parameters. */
 INTERNAL enum status set_rates(struct instance *c, const uint32_t references[], size_t count, const int32_t orders[],
                       const double values[]);
 INTERNAL enum status get_rates(struct instance *c, const uint32_t references[], size_t count, const int32_t orders[],

@@ -1,4 +1,4 @@
-/* What the instance says, and to whom. */
+/* Messages of an instance and the log categories of the host. */
 #include "instance.h"
 
 #include <stdarg.h>
@@ -8,24 +8,24 @@
 static const char *const category_names[CATEGORIES] = {
     "logStatusWarning", "logStatusDiscard", "logStatusError", "logSteps", "logAll"};
 
-enum status choose_logging(struct instance *c, int on, size_t count, const char *const categories[])
+enum status set_logging(struct instance *c, int on, size_t count, const char *const categories[])
 {
-    int chosen[CATEGORIES] = {0};
+    int is_selected[CATEGORIES] = {0};
     if (!c)
         return ERROR;
     if (count > 0 && !categories)
-        return without_array(c, "setDebugLogging");
+        return report_missing_array(c, "setDebugLogging");
     for (size_t n = 0; n < count; n++) {
-        int found = 0;
-        while (found < CATEGORIES && (!categories[n] || strcmp(categories[n], category_names[found]) != 0))
-            found++;
-        if (found == CATEGORIES)
+        int category = 0;
+        while (category < CATEGORIES && (!categories[n] || strcmp(categories[n], category_names[category]) != 0))
+            category++;
+        if (category == CATEGORIES)
             return report(c, ERROR, "a log category must be logStatusWarning, logStatusDiscard, logStatusError,"
                           " logSteps or logAll (got %s)", categories[n] ? categories[n] : "NULL");
-        chosen[found] = 1;
+        is_selected[category] = 1;
     }
     for (int n = 0; n < CATEGORIES; n++)
-        if (count == 0 || chosen[n] || chosen[LOG_ALL])
+        if (count == 0 || is_selected[n] || is_selected[LOG_ALL])
             c->logged[n] = on;
     return OK;
 }
@@ -34,7 +34,7 @@ enum status report(struct instance *c, enum status status, const char *format, .
 {
     const enum category category =
         status == WARNING ? LOG_WARNING : status == DISCARD ? LOG_DISCARD : LOG_ERROR;
-    char text[LONGEST_MESSAGE];
+    char text[MESSAGE_SIZE];
     va_list arguments;
     if (!c->host.log || !(category == LOG_ERROR || c->logged[category]))
         return status;
@@ -45,17 +45,17 @@ enum status report(struct instance *c, enum status status, const char *format, .
     return status;
 }
 
-enum status out_of_order(struct instance *c, const char *call, const char *allowed)
+enum status report_wrong_phase(struct instance *c, const char *call, const char *allowed)
 {
     return report(c, ERROR, "%s is allowed only %s (the instance is %s)", call, allowed, phase_names[phase_of(c)]);
 }
 
-enum status without_array(struct instance *c, const char *call)
+enum status report_missing_array(struct instance *c, const char *call)
 {
     return report(c, ERROR, "%s requires arrays that are not NULL", call);
 }
 
-const char *show(char *text, double value)
+const char *number_text(char *text, double value)
 {
     size_t length = 0;
     if (!is_number(value))
@@ -66,7 +66,7 @@ const char *show(char *text, double value)
     for (const char *from = text; *from; from++) {
         if ((*from >= '0' && *from <= '9') || *from == '-' || *from == '+' || *from == 'e')
             text[length++] = *from;
-        else if (length > 0 && text[length - 1] != '.') /* the host's locale may mark decimals by several bytes */
+        else if (length > 0 && text[length - 1] != '.') /* a locale's decimal separator may have several bytes */
             text[length++] = '.';
     }
     text[length] = '\0';
@@ -75,17 +75,17 @@ const char *show(char *text, double value)
 
 static size_t add_text(char *text, size_t length, const char *added)
 {
-    while (*added && length < LONGEST_MESSAGE - 1)
+    while (*added && length < MESSAGE_SIZE - 1)
         text[length++] = *added++;
     return length;
 }
 
 static size_t add_number(char *text, size_t length, double value)
 {
-    return add_text(text, length, SHOWN(value));
+    return add_text(text, length, TEXT_OF(value));
 }
 
-/* The model's sentence for a status. */
+/* Write the message of a status to ``text``. */
 static void compose(char *text, const struct instance *c, const struct piece *piece, const double *u, double step)
 {
     size_t length = 0;
@@ -101,35 +101,36 @@ static void compose(char *text, const struct instance *c, const struct piece *pi
     text[length] = '\0';
 }
 
-enum status explain(struct instance *c, enum status status, int64_t answer, const double *u, double step)
+enum status report_kernel_status(struct instance *c, enum status status, int64_t kernel_status, const double *u,
+                                 double step)
 {
-    char text[LONGEST_MESSAGE];
+    char text[MESSAGE_SIZE];
     for (size_t n = 0; n < model.message_count; n++) {
-        if (model.messages[n].number != answer)
+        if (model.messages[n].number != kernel_status)
             continue;
         compose(text, c, model.messages[n].pieces, u, step);
         return report(c, status, "%s", text);
     }
-    return report(c, status, "internal error: the kernel returned status %d", (int)answer);
+    return report(c, status, "internal error: the kernel returned status %d", (int)kernel_status);
 }
 
-void warn(struct instance *c)
+void log_warnings(struct instance *c)
 {
-    char text[LONGEST_MESSAGE];
+    char text[MESSAGE_SIZE];
     if (model.warning_count == 0)
         return;
-    const int64_t found = call_kernel(OPERATION_WARN, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
+    const int64_t warnings = call_kernel(OPERATION_WARN, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
     for (size_t n = 0; n < model.warning_count; n++) {
-        if (!(found & model.warnings[n].number))
+        if (!(warnings & model.warnings[n].number))
             continue;
         compose(text, c, model.warnings[n].pieces, c->u, 0.0);
         report(c, WARNING, "%s", text);
     }
 }
 
-void trace(struct instance *c, double step)
+void log_step(struct instance *c, double step)
 {
-    char text[LONGEST_MESSAGE];
+    char text[MESSAGE_SIZE];
     size_t length = 0;
     if (!c->logged[LOG_STEPS] || !c->host.log)
         return;

@@ -1,4 +1,4 @@
-/* What the shell knows of a model: tables made from its table of variables, and the entry of its kernel. */
+/* Tables of a model for the shell, generated from its table of variables, and the entry of its kernel. */
 #ifndef MODEL_H
 #define MODEL_H
 
@@ -8,30 +8,30 @@
 #include "codes.h"
 #include "kernel.h"
 
-/* the kernel's arrays that hold variables */
-enum array { PARAMETERS, INPUTS, OUTPUTS, CLOCK, ARRAYS }; /* CLOCK: the time, where it is a variable */
+/* Arrays of the kernel that contain variables. CLOCK contains the time, which is a variable of FMI 3.0. */
+enum array { PARAMETERS, INPUTS, OUTPUTS, CLOCK, ARRAYS };
 enum kind { REAL, INTEGER, BOOLEAN, ENUMERATION, UNUSED }; /* UNUSED: no variable has this value reference */
 
-/* A variable; its value reference is its place in the table. */
+/* A variable. Its value reference is its position in the table. */
 struct variable {
     const char *name;
     enum kind kind;
     enum array array;
-    int slot;
-    int rate_slot;       /* of inputs: of the rate, and of whether it is given */
-    int given_slot;
-    int held;            /* of discrete ones: place among the values held in step mode, or -1 */
-    int late;            /* filled in by OPERATION_OUTPUTS only, when it is read */
-    int output;          /* whether its causality is output */
-    int tunable;         /* whether it is a parameter that may change between steps */
-    double start;        /* of parameters and inputs */
+    int slot;            /* position in the array */
+    int rate_slot;       /* input: position of its rate, otherwise -1 */
+    int has_rate_slot;   /* input: position of the flag of its rate, otherwise -1 */
+    int discrete_slot;           /* discrete: position among the values that are constant in step mode, otherwise -1 */
+    int late;            /* 1 if only OPERATION_OUTPUTS computes it, when it is read */
+    int output;          /* 1 if its causality is output */
+    int tunable;         /* 1 for a parameter that may change between steps */
+    double start;        /* parameters and inputs */
     double minimum;
     double maximum;
-    double nominal;      /* of inputs and parameters: what a small change is measured by */
-    const char *allowed; /* of parameters: what follows "must be" */
+    double nominal;      /* inputs and parameters: scale of a small change */
+    const char *allowed; /* parameters: text after "must be" in messages */
 };
 
-/* A sentence in pieces: each a text and then a number, or none. */
+/* A part of a message: a text, and the kind and position of the number after it. */
 enum number { NO_NUMBER, PARAMETER_NUMBER, INPUT_NUMBER, STEP_NUMBER, LAST_PIECE };
 struct piece {
     const char *text;
@@ -39,17 +39,17 @@ struct piece {
     int slot;
 };
 
-/* What the model says when its kernel answers a status, or a sum with the number of a warning in it. */
+/* Message for a status of the kernel, or for a warning. */
 struct message {
     int number;
     const struct piece *pieces;
 };
 
-/* A number of the constants d or the state x that the kernel takes for an index or a choice. */
+/* Bound of a number of the constants d or of the state x that the kernel uses as an index or an enumeration. */
 struct bound {
     enum { CONSTANTS, STATE } of;
     size_t slot;
-    double most; /* it must be a whole number from 0 to this */
+    double maximum; /* the number must be a whole number from 0 to this one */
 };
 
 struct model {
@@ -57,17 +57,17 @@ struct model {
     const char *guid;
     const struct variable *variables;
     size_t variable_count;
-    int tolerance_slot;  /* of the parameters, or -1 */
-    int length_slot;     /* of the state: length of the last step, or -1 where a step cannot stop at a switch */
-    int switching_slot;  /* ... whether it has stopped at one */
+    int tolerance_slot;  /* position of the tolerance in the parameters, or -1 */
+    int length_slot;     /* position in the state of the length of the last step; -1 if steps cannot stop at events */
+    int event_slot;      /* position in the state of the flag of a pending event, or -1 */
     size_t p_size, d_size, u_size, x_size, y_size, w_size;
     const struct message *messages;
     size_t message_count;
     const struct message *warnings;
     size_t warning_count;
-    const int *discrete; /* slots of outputs that may change in event mode only, where a host uses it */
+    const int *discrete; /* positions of outputs that may only change in event mode, if the host uses it */
     size_t discrete_count;
-    const size_t *traced; /* value references shown of each step in the log category logSteps */
+    const size_t *traced; /* value references in the log category logSteps */
     size_t traced_count;
     const struct bound *bounds;
     size_t bound_count;

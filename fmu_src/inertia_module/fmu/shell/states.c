@@ -1,4 +1,4 @@
-/* Saved states: copies of the instance's block, kept in a list so that a state of no use is known as such. */
+/* Saved states: copies of the instance's block in a list, so that an invalid pointer to a state is detected. */
 #include "instance.h"
 
 #include <math.h>
@@ -6,15 +6,15 @@
 
 #define MARK "IMFMU1"
 
-/* In front of the block in a serialized state. */
-struct wrapper {
+/* Header before the block in a serialized state. */
+struct header {
     char mark[8];
     char guid[40];
     uint64_t size;
     uint64_t sum;
 };
 
-/* Whether a state is one of this instance that has not been freed. */
+/* Return 1 if a state belongs to this instance and has not been freed. */
 static int is_saved(const struct instance *c, const void *state)
 {
     for (const struct saved *saved = c->states; saved; saved = saved->next)
@@ -64,7 +64,7 @@ enum status save_state(struct instance *c, void **state)
 {
     if (!c)
         return ERROR;
-    if (check_no_update(c, "saving a state") != OK)
+    if (check_not_updating(c, "saving a state") != OK)
         return ERROR;
     if (!state)
         return reject_state(c);
@@ -82,7 +82,7 @@ enum status restore_state(struct instance *c, void *state)
 {
     if (!c)
         return ERROR;
-    if (check_no_update(c, "restoring a state") != OK)
+    if (check_not_updating(c, "restoring a state") != OK)
         return ERROR;
     if (!is_saved(c, state))
         return reject_state(c);
@@ -103,7 +103,7 @@ enum status free_state(struct instance *c, void **state)
     return OK;
 }
 
-/* Sum over the bytes that tells a damaged state (Fowler, Noll and Vo's). */
+/* Return a check sum of bytes (64-bit FNV-1a by Fowler, Noll and Vo), which detects damage by accident. */
 static uint64_t sum_of(const unsigned char *bytes, size_t count)
 {
     uint64_t sum = UINT64_C(14695981039346656037);
@@ -112,19 +112,19 @@ static uint64_t sum_of(const unsigned char *bytes, size_t count)
     return sum;
 }
 
-/* What belongs in front of a block of so many bytes; the same for the same block, unused bytes included. */
-static struct wrapper wrapper_of(const void *block, size_t length)
+/* Return the header of a block of ``length`` bytes. It has no undefined bytes, so equal blocks have equal headers. */
+static struct header header_of(const void *block, size_t length)
 {
-    struct wrapper wrapper;
-    memset(&wrapper, 0, sizeof wrapper);
-    memcpy(wrapper.mark, MARK, sizeof MARK);
-    strncpy(wrapper.guid, model.guid, sizeof wrapper.guid - 1);
-    wrapper.size = length;
-    wrapper.sum = sum_of(block, length);
-    return wrapper;
+    struct header header;
+    memset(&header, 0, sizeof header);
+    memcpy(header.mark, MARK, sizeof MARK);
+    strncpy(header.guid, model.guid, sizeof header.guid - 1);
+    header.size = length;
+    header.sum = sum_of(block, length);
+    return header;
 }
 
-/* Number of a block of which only the bytes are there, at any address. */
+/* Return a number of a block at any address, which need not be aligned. */
 static double number_at(const unsigned char *block, size_t place)
 {
     double number;
@@ -132,27 +132,28 @@ static double number_at(const unsigned char *block, size_t place)
     return number;
 }
 
-static int is_whole(double value, double most)
+static int is_whole(double value, double maximum)
 {
-    return is_number(value) && value >= 0.0 && value <= most && fmod(value, 1.0) == 0.0;
+    return is_number(value) && value >= 0.0 && value <= maximum && fmod(value, 1.0) == 0.0;
 }
 
-/* Whether all that is an index, a choice or a count is one: anybody can make the sum of bytes fit. */
-static int is_sound(const unsigned char *block)
+/* Return 1 if all indices, enumerations and counts of a block are within their ranges. A forged state can have a
+   valid check sum. */
+static int has_valid_numbers(const unsigned char *block)
 {
     const size_t p = HEAD_SIZE, d = p + model.p_size, x = d + model.d_size + model.u_size;
     const size_t x_before = x + model.x_size + model.y_size;
-    const double phase = number_at(block, PHASE), prepared = number_at(block, PREPARED);
+    const double phase = number_at(block, PHASE), prepared = number_at(block, STARTED);
     if (!is_whole(phase, PHASES - 1) || phase == UPDATING || !is_whole(prepared, 1.0) ||
-        !is_whole(number_at(block, COMPLETE), 1.0))
+        !is_whole(number_at(block, LATE_COMPUTED), 1.0))
         return 0;
     if ((phase == STEPPING || phase == AT_EVENT || phase == TERMINATED) && prepared == 0.0)
         return 0;
     for (size_t n = 0; n < model.bound_count; n++) {
         const struct bound *bound = &model.bounds[n];
         const size_t first = bound->of == STATE ? x : d, second = bound->of == STATE ? x_before : d;
-        if (!is_whole(number_at(block, first + bound->slot), bound->most) ||
-            !is_whole(number_at(block, second + bound->slot), bound->most))
+        if (!is_whole(number_at(block, first + bound->slot), bound->maximum) ||
+            !is_whole(number_at(block, second + bound->slot), bound->maximum))
             return 0;
     }
     for (size_t n = 0; prepared != 0.0 && n < model.variable_count; n++) {
@@ -163,13 +164,14 @@ static int is_sound(const unsigned char *block)
     return 1;
 }
 
-/* Calculate the constants of a block anew from its parameters, together allowed: the kernel counts by them. */
+/* Derive the constants of a block again from its parameters, because the kernel uses some of them as loop limits.
+   Return 1 if the parameters are valid together. */
 static int derive_constants(struct instance *c, double *block)
 {
     double *const p = block + HEAD_SIZE, *const d = p + model.p_size;
-    if (block[PREPARED] == 0.0)
+    if (block[STARTED] == 0.0)
         return 1;
-    memset(c->u_trial, 0, model.u_size * sizeof(double)); /* inputs may be out of range, a step rejects them */
+    memset(c->u_trial, 0, model.u_size * sizeof(double)); /* inputs may be out of range; the next step rejects them */
     return call_kernel(OPERATION_CHECK, p, d, c->u_trial, c->x_trial, c->y_trial, c->w, 0.0) == STATUS_OK;
 }
 
@@ -179,7 +181,7 @@ enum status serialized_size(struct instance *c, void *state, size_t *size)
         return ERROR;
     if (!size || !is_saved(c, state))
         return reject_state(c);
-    *size = sizeof(struct wrapper) + block_size() * sizeof(double);
+    *size = sizeof(struct header) + block_size() * sizeof(double);
     return OK;
 }
 
@@ -190,46 +192,46 @@ enum status serialize_state(struct instance *c, void *state, void *bytes, size_t
         return ERROR;
     if (!bytes || !is_saved(c, state))
         return reject_state(c);
-    if (size < sizeof(struct wrapper) + length)
+    if (size < sizeof(struct header) + length)
         return report(c, ERROR, "the size of a serialized state must be at least %lu bytes (got %lu)",
-                      (unsigned long)(sizeof(struct wrapper) + length), (unsigned long)size);
+                      (unsigned long)(sizeof(struct header) + length), (unsigned long)size);
     const double *block = ((struct saved *)state)->block;
-    const struct wrapper wrapper = wrapper_of(block, length);
-    memcpy(bytes, &wrapper, sizeof wrapper);
-    memcpy((unsigned char *)bytes + sizeof wrapper, block, length);
+    const struct header header = header_of(block, length);
+    memcpy(bytes, &header, sizeof header);
+    memcpy((unsigned char *)bytes + sizeof header, block, length);
     return OK;
 }
 
 enum status deserialize_state(struct instance *c, const void *bytes, size_t size, void **state)
 {
     const size_t length = block_size() * sizeof(double);
-    const unsigned char *const block = (const unsigned char *)bytes + sizeof(struct wrapper);
+    const unsigned char *const block = (const unsigned char *)bytes + sizeof(struct header);
     static const char damaged[] = "the state must be saved by this build (it is damaged or from another build)";
     if (!c)
         return ERROR;
     if (!bytes || !state)
         return reject_state(c);
-    if (size != sizeof(struct wrapper) + length)
+    if (size != sizeof(struct header) + length)
         return report(c, ERROR, "the state must be saved by this build, with %lu bytes (got %lu bytes)",
-                      (unsigned long)(sizeof(struct wrapper) + length), (unsigned long)size);
-    const struct wrapper wrapper = wrapper_of(block, length);
-    if (memcmp(&wrapper, bytes, sizeof wrapper) != 0 || !is_sound(block))
+                      (unsigned long)(sizeof(struct header) + length), (unsigned long)size);
+    const struct header header = header_of(block, length);
+    if (memcmp(&header, bytes, sizeof header) != 0 || !has_valid_numbers(block))
         return report(c, ERROR, "%s", damaged);
     if (*state && !is_saved(c, *state))
         return reject_state(c);
-    struct saved *const made = add_state(c);
-    if (!made)
+    struct saved *const copy = add_state(c);
+    if (!copy)
         return ERROR;
-    memcpy(made->block, block, length);
-    if (!derive_constants(c, made->block)) {
-        remove_state(c, made);
+    memcpy(copy->block, block, length);
+    if (!derive_constants(c, copy->block)) {
+        remove_state(c, copy);
         return report(c, ERROR, "%s", damaged);
     }
     if (*state) {
-        memcpy(((struct saved *)*state)->block, made->block, length);
-        remove_state(c, made);
+        memcpy(((struct saved *)*state)->block, copy->block, length);
+        remove_state(c, copy);
     } else {
-        *state = made;
+        *state = copy;
     }
     return OK;
 }

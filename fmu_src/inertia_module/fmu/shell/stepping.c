@@ -4,75 +4,76 @@
 #include <math.h>
 #include <string.h>
 
-/* a communication point this far from the time reached, over the step and over the time, is worth a warning */
+/* Maximum distance of a communication point from the present time without a warning: fractions of step and time. */
 #define NEAR_STEP 1e-3
 #define NEAR_TIME 1e-12
-/* a step may end past the stop time by this share of it, or of a second: hosts round (Reference-FMUs allow the same) */
+/* A step may end after the stop time by this fraction of the stop time, or of a second, because hosts round. The
+   Reference-FMUs allow the same. */
 #define NEAR_STOP 1e-5
-/* intermediate updates of a step: so many at its beginning, and so many more spread evenly over it */
-#define UPDATES 1000.0
+/* Maximum intermediate updates of a step: this number at its beginning, and the same number evenly spaced over it. */
+#define MAX_UPDATES 1000.0
 
-/* Tell once if the host's time is not the time reached: the motion itself knows no time. */
+/* Warn once if the communication point is not the present time. The motion does not depend on the time. */
 static void check_time(struct instance *c, double time, double step)
 {
-    /* halves: their difference is finite */
+    /* The difference of halves is always finite. */
     const double half = 0.5 * time, half_reached = 0.5 * c->head[TIME];
     if (c->warned || fabs(half - half_reached) <= 0.5 * NEAR_STEP * step + NEAR_TIME * fabs(half))
         return;
     c->warned = 1;
     report(c, WARNING, "communication point must be the time reached, %s s, or the time of a saved state (got %s s)."
-           " The motion continues from the present state.", SHOWN(c->head[TIME]), SHOWN(time));
+           " The motion continues from the present state.", TEXT_OF(c->head[TIME]), TEXT_OF(time));
 }
 
-static int leads_past_stop(const struct instance *c, double time, double step)
+static int ends_after_stop(const struct instance *c, double time, double step)
 {
     const double stop = c->head[STOP_TIME];
-    /* halves: their sums are finite */
+    /* Sums of halves are always finite. */
     return is_number(step) && 0.5 * time + 0.5 * step > 0.5 * stop + 0.5 * NEAR_STOP * fmax(1.0, fabs(stop));
 }
 
-int has_stopped(const struct instance *c)
+int has_pending_event(const struct instance *c)
 {
-    return model.switching_slot >= 0 && c->x[model.switching_slot] != 0.0;
+    return model.event_slot >= 0 && c->x[model.event_slot] != 0.0;
 }
 
-void carry_out_switch(struct instance *c)
+void handle_pending_event(struct instance *c)
 {
-    if (!has_stopped(c))
+    if (!has_pending_event(c))
         return;
     call_kernel(OPERATION_HANDLE_EVENT, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
-    c->head[COMPLETE] = 0.0;
+    c->head[LATE_COMPUTED] = 0.0;
 }
 
-void show_switches(struct instance *c, double time, void (*show)(struct instance *c))
+void replay_events(struct instance *c, double time, void (*show)(struct instance *c))
 {
-    const double step = c->head[LAST_STEP], complete_at_end = c->head[COMPLETE], part = step / UPDATES;
-    double passed = 0.0, shown = 0.0;
-    if (model.switching_slot < 0)
+    const double step = c->head[LAST_STEP], late_at_end = c->head[LATE_COMPUTED], part = step / MAX_UPDATES;
+    double passed = 0.0, n_updates = 0.0;
+    if (model.event_slot < 0)
         return;
     memcpy(c->x_end, c->x, model.x_size * sizeof(double));
     memcpy(c->y_end, c->y, model.y_size * sizeof(double));
     memcpy(c->x, c->x_before, model.x_size * sizeof(double));
     while (passed < step) {
-        const int too_many = shown >= UPDATES * (1.0 + passed / step);
-        const enum operation operation = too_many ? OPERATION_STEP_ONLY : OPERATION_STEP_UNTIL_EVENT;
-        const double length = too_many ? fmin(part, step - passed) : step - passed;
+        const int is_limited = n_updates >= MAX_UPDATES * (1.0 + passed / step);
+        const enum operation operation = is_limited ? OPERATION_STEP_ONLY : OPERATION_STEP_UNTIL_EVENT;
+        const double length = is_limited ? fmin(part, step - passed) : step - passed;
         if (call_kernel(operation, c->p, c->d, c->u, c->x, c->y, c->w, length) != STATUS_OK)
             break;
         passed += c->x[model.length_slot];
-        if (too_many)
+        if (is_limited)
             continue;
-        if (!has_stopped(c))
+        if (!has_pending_event(c))
             break;
-        carry_out_switch(c);
+        handle_pending_event(c);
         c->head[TIME] = time + passed;
         show(c);
-        shown += 1.0;
+        n_updates += 1.0;
     }
     memcpy(c->x, c->x_end, model.x_size * sizeof(double));
     memcpy(c->y, c->y_end, model.y_size * sizeof(double));
     c->head[TIME] = time + step;
-    c->head[COMPLETE] = complete_at_end;
+    c->head[LATE_COMPUTED] = late_at_end;
 }
 
 enum status take_step(struct instance *c, enum operation operation, double time, double step)
@@ -80,32 +81,32 @@ enum status take_step(struct instance *c, enum operation operation, double time,
     if (!c)
         return ERROR;
     if (phase_of(c) == AT_EVENT || phase_of(c) == UPDATING)
-        return out_of_order(c, "doStep", "in step mode");
+        return report_wrong_phase(c, "doStep", "in step mode");
     if (phase_of(c) != STEPPING)
-        return out_of_order(c, "doStep", "after exitInitializationMode");
+        return report_wrong_phase(c, "doStep", "after exitInitializationMode");
     if (!is_finite(time))
-        return report(c, DISCARD, "communication point must be a finite number of seconds (got %s)", SHOWN(time));
-    if (leads_past_stop(c, time, step))
+        return report(c, DISCARD, "communication point must be a finite number of seconds (got %s)", TEXT_OF(time));
+    if (ends_after_stop(c, time, step))
         return report(c, ERROR, "a step must end at or before the stop time %s s (got a step of %s s from %s s)",
-                      SHOWN(c->head[STOP_TIME]), SHOWN(step), SHOWN(time));
+                      TEXT_OF(c->head[STOP_TIME]), TEXT_OF(step), TEXT_OF(time));
     memcpy(c->x_trial, c->x, model.x_size * sizeof(double));
-    const int64_t answer = call_kernel(operation, c->p, c->d, c->u, c->x, c->y, c->w, step);
-    if (answer != STATUS_OK)
-        return explain(c, DISCARD, answer, c->u, step);
+    const int64_t kernel_status = call_kernel(operation, c->p, c->d, c->u, c->x, c->y, c->w, step);
+    if (kernel_status != STATUS_OK)
+        return report_kernel_status(c, DISCARD, kernel_status, c->u, step);
     check_time(c, time, step);
     memcpy(c->x_before, c->x_trial, model.x_size * sizeof(double));
     memcpy(c->u_before, c->u, model.u_size * sizeof(double));
-    /* rates of inputs hold for one step */
+    /* Rates of inputs are valid for one step. */
     for (const struct variable *input = model.variables; input < model.variables + model.variable_count; input++) {
         if (input->array == INPUTS)
-            c->u[input->rate_slot] = c->u[input->given_slot] = 0.0;
+            c->u[input->rate_slot] = c->u[input->has_rate_slot] = 0.0;
     }
     const double length = model.length_slot >= 0 ? c->x[model.length_slot] : step;
-    c->head[COMPLETE] = 0.0;
+    c->head[LATE_COMPUTED] = 0.0;
     c->head[TIME] = time + length;
     c->head[LAST_STEP] = length;
     if (c->logged[LOG_STEPS])
-        trace(c, length);
+        log_step(c, length);
     return OK;
 }
 
@@ -116,12 +117,12 @@ enum status take_steps(struct instance *c, struct run *run,
     if (!c)
         return ERROR;
     if (!run || (run->steps > 0 && !run->lengths))
-        return without_array(c, "inertiaModuleRun");
-    const size_t wanted = run->steps;
+        return report_missing_array(c, "inertiaModuleRun");
+    const size_t n_steps = run->steps;
     const double *set = run->set;
     double *read = run->read;
     enum status status = get_values(c, run->outputs, run->output_count, read, &number);
-    for (run->steps = 0; status == OK && run->steps < wanted; run->steps++) {
+    for (run->steps = 0; status == OK && run->steps < n_steps; run->steps++) {
         const double length = run->lengths[run->steps];
         status = set_values(c, run->inputs, run->input_count, set, &number);
         if (status == OK)

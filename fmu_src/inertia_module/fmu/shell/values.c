@@ -1,10 +1,10 @@
-/* Values by their references: all of a call are read or set, or none. */
+/* Values by their references: a call reads or sets either all values or none. */
 #include "instance.h"
 
 #include <math.h>
 #include <string.h>
 
-/* The variable of a reference, or NULL with a report. */
+/* Return the variable of a reference, or NULL after a report. */
 static const struct variable *find(struct instance *c, uint32_t reference, const struct type *type)
 {
     const enum kind kind = reference < model.variable_count ? model.variables[reference].kind : UNUSED;
@@ -15,13 +15,13 @@ static const struct variable *find(struct instance *c, uint32_t reference, const
     return NULL;
 }
 
-/* Make sure that the values a call asks for are there. */
+/* Check that the values of a call can be read, and compute late outputs. */
 static enum status check_read(struct instance *c, const uint32_t references[], size_t count,
                              const void *values, const struct type *type)
 {
     int calculated = 0, late = 0;
     if (count > 0 && (!references || !values))
-        return without_array(c, "reading values");
+        return report_missing_array(c, "reading values");
     for (size_t n = 0; n < count; n++) {
         const struct variable *variable = find(c, references[n], type);
         if (!variable)
@@ -30,14 +30,14 @@ static enum status check_read(struct instance *c, const uint32_t references[], s
         late |= variable->late;
     }
     if (calculated && phase_of(c) == INITIALIZING) {
-        const enum status status = prepare(c, DISCARD);
+        const enum status status = start_kernel(c, DISCARD);
         if (status != OK)
             return status;
     } else if (calculated && phase_of(c) == INSTANTIATED) {
-        return out_of_order(c, "reading a calculated variable", "after enterInitializationMode");
+        return report_wrong_phase(c, "reading a calculated variable", "after enterInitializationMode");
     }
     if (late)
-        complete(c);
+        compute_late_outputs(c);
     return OK;
 }
 
@@ -45,8 +45,9 @@ static double value_of(const struct instance *c, uint32_t reference)
 {
     const struct variable *variable = &model.variables[reference];
     const enum phase phase = phase_of(c);
-    if (variable->held >= 0 && c->holds && (phase == STEPPING || phase == UPDATING || phase == TERMINATED))
-        return c->held[variable->held];
+    const int is_stored = phase == STEPPING || phase == UPDATING || phase == TERMINATED;
+    if (variable->discrete_slot >= 0 && c->holds_discrete && is_stored)
+        return c->held[variable->discrete_slot];
     return c->values[variable->array][variable->slot];
 }
 
@@ -65,7 +66,7 @@ void write_real(void *values, size_t n, double value)
     ((double *)values)[n] = value;
 }
 
-/* As much as the type can hold: a parameter that is read may not have been checked yet. */
+/* Values beyond the type are limited, because a parameter may not have been checked yet. */
 void write_integer(void *values, size_t n, double value)
 {
     ((int32_t *)values)[n] = !is_number(value) ? 0 : (int32_t)fmin(fmax(value, INT32_MIN), INT32_MAX);
@@ -82,7 +83,7 @@ enum status get_values(struct instance *c, const uint32_t references[], size_t c
     return status;
 }
 
-/* Make sure that a variable can be set to this value now. */
+/* Check that a variable can be set to this value in the present phase. */
 static enum status check_write(struct instance *c, const struct variable *variable, double value)
 {
     const enum phase phase = phase_of(c);
@@ -101,28 +102,28 @@ static enum status check_write(struct instance *c, const struct variable *variab
         return report(c, ERROR, "setting %s is allowed only before terminate (the instance is %s)", variable->name,
                       phase_names[phase]);
     if (variable->array == PARAMETERS && !is_allowed(variable, value))
-        return report(c, DISCARD, "%s must be %s (got %s)", variable->name, variable->allowed, SHOWN(value));
+        return report(c, DISCARD, "%s must be %s (got %s)", variable->name, variable->allowed, TEXT_OF(value));
     return OK;
 }
 
 static void assign(struct instance *c, const struct variable *variable, double value)
 {
-    /* a tolerance given to setupExperiment wins over the parameter */
+    /* A tolerance of setupExperiment has priority over the parameter. */
     if (variable->array == PARAMETERS && variable->slot == model.tolerance_slot && phase_of(c) == INITIALIZING &&
         is_number(c->head[TOLERANCE]))
         return;
     c->values[variable->array][variable->slot] = value;
 }
 
-/* Let the kernel follow parameters that have changed between steps, or put back what has been set. */
-static enum status tune(struct instance *c)
+/* Update the kernel after a change of parameters between steps. If they are rejected, restore the previous values. */
+static enum status update_parameters(struct instance *c)
 {
-    const int64_t answer = call_kernel(OPERATION_UPDATE_PARAMETERS, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
-    if (answer == STATUS_OK) {
+    const int64_t kernel_status = call_kernel(OPERATION_UPDATE_PARAMETERS, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
+    if (kernel_status == STATUS_OK) {
         call_kernel(OPERATION_UPDATE_PARAMETERS, c->p, c->d, c->u, c->x_before, c->y, c->w, 0.0);
         return OK;
     }
-    const enum status status = explain(c, DISCARD, answer, c->u, 0.0);
+    const enum status status = report_kernel_status(c, DISCARD, kernel_status, c->u, 0.0);
     memcpy(c->p, c->p_trial, model.p_size * sizeof(double));
     memcpy(c->u, c->u_trial, model.u_size * sizeof(double));
     call_kernel(OPERATION_CHECK, c->p, c->d, c->u, c->x, c->y, c->w, 0.0);
@@ -132,28 +133,28 @@ static enum status tune(struct instance *c)
 enum status set_values(struct instance *c, const uint32_t references[], size_t count, const void *values,
                        const struct type *type)
 {
-    int tuned = 0;
+    int changes_parameters = 0;
     if (!c)
         return ERROR;
     if (count > 0 && (!references || !values))
-        return without_array(c, "setting values");
+        return report_missing_array(c, "setting values");
     for (size_t n = 0; n < count; n++) {
         const struct variable *variable = find(c, references[n], type);
         const double value = variable ? type->read(values, n) : 0.0;
         const enum status status = variable ? check_write(c, variable, value) : ERROR;
         if (status != OK)
             return status;
-        tuned |= variable->array == PARAMETERS && c->p[variable->slot] != value;
+        changes_parameters |= variable->array == PARAMETERS && c->p[variable->slot] != value;
     }
-    tuned &= is_running(c);
-    if (tuned) {
-        complete(c); /* outputs hold the last step, with its parameters */
+    changes_parameters &= is_running(c);
+    if (changes_parameters) {
+        compute_late_outputs(c); /* the late outputs of the last step depend on its parameters */
         memcpy(c->p_trial, c->p, model.p_size * sizeof(double));
         memcpy(c->u_trial, c->u, model.u_size * sizeof(double));
     }
     for (size_t n = 0; n < count; n++)
         assign(c, &model.variables[references[n]], type->read(values, n));
     if (phase_of(c) == INITIALIZING)
-        c->head[PREPARED] = 0.0;
-    return tuned ? tune(c) : OK;
+        c->head[STARTED] = 0.0;
+    return changes_parameters ? update_parameters(c) : OK;
 }

@@ -11,7 +11,7 @@ static const struct variable variables[] = {
     {"time", REAL, CLOCK, 0, -1, -1, -1, 0, 0, 0, 0.0, -HUGE_VAL, HUGE_VAL, 1.0, ""},
 {% else %}
     {{ "{" }}{{ quoted(variable.name) }}, {{ variable.kind | upper }}, {{ arrays.get(variable.causality, "OUTPUTS") }}, {{ model.place(variable.name) }},
-{% for ending in ("_rate", "_rate_given") %}
+{% for ending in ("_rate", "_has_rate") %}
      {{ model.place(variable.name ~ ending) if variable.causality == "input" else -1 }},
 {% endfor %}
      {{ discrete.index(variable.name) if variable.name in discrete else -1 }}, {{ variable.late | int }}, {{ (variable.causality == "output") | int }}, {{ variable.is_tunable | int }},

@@ -1,12 +1,12 @@
 """Integration of the mean motion: the L-stable two-stage Rosenbrock method ROS2, to the end of each regime.
 
-Verwer, Spee, Blom & Hundsdorfer, SIAM J. Sci. Comput. 20, 1999, with gamma = 1 - 1 / sqrt 2:
+Source: Verwer, Spee, Blom and Hundsdorfer, SIAM J. Sci. Comput. 20 (1999), with gamma = 1 - 1 / sqrt 2:
 
     (1 - gamma h J) k1 = f(y)
     (1 - gamma h J) k2 = f(y + h k1) - 2 k1
     y + h (3 k1 + k2) / 2           of order 2; the embedded y + h k1 is of order 1
 
-The Jacobian J is calculated by differences. Angles, impulses and losses are integrated with the two speeds.
+The Jacobian J is computed by differences. Angles, impulses and losses are integrated with the two speeds.
 """
 
 import math
@@ -18,32 +18,32 @@ from .mean_motion import (
     COASTING,
     LOCKED,
     SLIPPING,
-    beyond_regime,
-    end_step,
     energy_of_mechanism,
+    regime_indicator,
     set_regime,
     side_now,
     speed_ratio,
+    update_end,
     write_mean_rates,
 )
 
 GAMMA = 1.0 - math.sqrt(0.5)
-# least tolerance of the embedded error over the largest speed; the mean motion itself is not as exact
+# Minimum tolerance of the embedded error over the largest speed; the mean motion itself is not more accurate
 MIN_TOLERANCE = 1e-4
-# change of a speed for a difference, over the largest speed
-DIFFERENCE = 1e-7
-# step-size controller: safety factor, least and largest factor
+# Change of a speed for the Jacobian over the largest speed
+DIFFERENCE_FRACTION = 1e-7
+# step-size controller: safety factor, minimum and maximum factor
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.1, 5.0
-# internal steps of a communication step, trials of a step, iterations to the end of a regime
+# Maximum internal steps of a communication step, trials of a step, iterations to the end of a regime
 MAX_STEPS, MAX_TRIALS, MAX_ITERATIONS = 20000, 60, 60
-# share of a step to which the end of a regime is located, shares of the speeds that count as rest and as no
-# slip
+# Fraction of a step to which the end of a regime is located; fractions of the speeds that count as rest, and
+# as the end of coasting
 TIME_RTOL, REST_RTOL, SNAP_RTOL = 1e-12, 1e-12, 1e-9
-# first step from rest over the communication step
+# First step from rest over the communication step
 START_RATIO = 1e-9
-# largest correction of the input speed by the energy balance, over the speed
+# Maximum correction of the input speed by the energy balance over this speed
 MAX_CORRECTION = 1e-3
-# places of the two speeds in fields.MEAN
+# Positions of the two accelerations in fields.MEAN
 OMEGA1, OMEGA3 = 0, 1
 
 
@@ -51,18 +51,18 @@ def differentiate(d: Constants, side: Side, x: State, w: Workspace, regime: int,
     """Write the derivatives of all rates by omega1 and omega3 at the beginning of a step, by differences.
 
     Args:
-        d: constants
-        side: map for the sign of omega1
-        x: state
-        w: workspace with the rates at the beginning in w.means[0]
-        regime: regime of the output shaft
-        h: step that is tried first, s; from rest the speeds after it are the scale
+        d: Constants.
+        side: Map for the sign of omega1.
+        x: State.
+        w: Workspace with the rates at the beginning in w.means[0].
+        regime: Regime of the output shaft.
+        h: First trial step, s. From rest the speeds after it are the scale of the differences.
     """
     start, by1, by3 = w.means[0].numbers, w.mean_slopes[0].numbers, w.mean_slopes[1].numbers
     gained = h * (abs(start[OMEGA1]) + abs(start[OMEGA3]))
-    change = DIFFERENCE * max(abs(x.omega1), x.omega3, min(gained, 1.0), REST_RTOL)
+    change = DIFFERENCE_FRACTION * max(abs(x.omega1), x.omega3, min(gained, 1.0), REST_RTOL)
     change1 = side.direction * change
-    # away from the end of the regime
+    # Differences away from the end of the regime
     change3 = -change if regime == SLIPPING and x.omega3 > 0.5 * side.end * abs(x.omega1) else change
     write_mean_rates(d, side, x, regime, x.omega1 + change1, x.omega3, w.mean_slopes[0])
     write_mean_rates(d, side, x, regime, x.omega1, x.omega3 + change3, w.mean_slopes[1])
@@ -72,12 +72,12 @@ def differentiate(d: Constants, side: Side, x: State, w: Workspace, regime: int,
 
 
 def solve_stage(w: Workspace, h: float, k: Doubles) -> None:
-    """Solve (1 - gamma h J) k = r for all that is integrated; r is in k.
+    """Solve (1 - gamma h J) k = r for all integrated quantities.
 
     Args:
-        w: workspace with the derivatives
-        h: step, s
-        k: numbers of a stage
+        w: Workspace with the derivatives.
+        h: Step, s.
+        k: The right side r, overwritten by the solution: all rates of a stage.
     """
     by1, by3 = w.mean_slopes[0].numbers, w.mean_slopes[1].numbers
     c = GAMMA * h
@@ -94,12 +94,12 @@ def make_step(d: Constants, side: Side, x: State, w: Workspace, regime: int, h: 
     """Make a step from w.means[0] and the derivatives: changes in w.mean_change, stages in w.mean_stages.
 
     Args:
-        d: constants
-        side: map for the sign of omega1
-        x: state at the beginning
-        w: workspace
-        regime: regime of the output shaft
-        h: step, s
+        d: Constants.
+        side: Map for the sign of omega1.
+        x: State at the beginning.
+        w: Workspace.
+        regime: Regime of the output shaft.
+        h: Step, s.
     """
     first, second, change = w.mean_stages[0].numbers, w.mean_stages[1].numbers, w.mean_change.numbers
     start, middle = w.means[0].numbers, w.means[1].numbers
@@ -129,26 +129,28 @@ def step_error(x: State, w: Workspace, tolerance: float) -> float:
     return 0.5 * w.mean_length * max(abs(error1), abs(error3)) / (tolerance * fastest + 1e-300)
 
 
-def beyond_step(d: Constants, side: Side, x: State, w: Workspace, regime: int) -> float:
-    """Return the event indicator of the regime at the end of the step in hand."""
-    return beyond_regime(d, side, x, regime, x.omega1 + w.mean_change.omega1, x.omega3 + w.mean_change.omega3)
+def end_indicator(d: Constants, side: Side, x: State, w: Workspace, regime: int) -> float:
+    """Return the event indicator of the regime at the end of the present step."""
+    return regime_indicator(
+        d, side, x, regime, x.omega1 + w.mean_change.omega1, x.omega3 + w.mean_change.omega3
+    )
 
 
 def end_at_event(d: Constants, side: Side, x: State, w: Workspace, regime: int, beyond: float) -> None:
-    """Shorten the step in hand to the end of the regime by the Illinois method; it ends just beyond.
+    """Shorten the present step to the end of the regime by the Illinois method. It ends just after it.
 
     Args:
-        d: constants
-        side: map for the sign of omega1
-        x: state at the beginning
-        w: workspace
-        regime: regime of the output shaft
-        beyond: event indicator at the end of the step, positive
+        d: Constants.
+        side: Map for the sign of omega1.
+        x: State at the beginning.
+        w: Workspace.
+        regime: Regime of the output shaft.
+        beyond: Event indicator at the end of the step, positive.
     """
     low, high = 0.0, w.mean_length
-    g_low, g_high = beyond_regime(d, side, x, regime, x.omega1, x.omega3), beyond
+    g_low, g_high = regime_indicator(d, side, x, regime, x.omega1, x.omega3), beyond
     if g_low >= 0.0:
-        g_low = -beyond  # it begins at an end
+        g_low = -beyond  # The step begins at the end of another regime
     last = 0
     end = high
     for _ in range(MAX_ITERATIONS):
@@ -158,7 +160,7 @@ def end_at_event(d: Constants, side: Side, x: State, w: Workspace, regime: int, 
         if not low < middle < high:
             middle = 0.5 * (low + high)
         make_step(d, side, x, w, regime, middle)
-        g = beyond_step(d, side, x, w, regime)
+        g = end_indicator(d, side, x, w, regime)
         if g > 0.0:
             high, g_high = middle, g
             g_low *= 0.5 if last > 0 else 1.0
@@ -169,29 +171,29 @@ def end_at_event(d: Constants, side: Side, x: State, w: Workspace, regime: int, 
             last = -1
             if g == 0.0 and middle > TIME_RTOL * end:
                 return
-    # a shorter step could leave the time as it is
+    # A shorter step could be lost in the round-off of the time
     make_step(d, side, x, w, regime, max(high, TIME_RTOL * end))
 
 
 def advance_regime(
     d: Constants, side: Side, x: State, w: Workspace, regime: int, limit: float
 ) -> tuple[bool, bool]:
-    """Make one step within the tolerance, or its part up to the end of the regime.
+    """Make one step within the tolerance, up to the end of the regime.
 
     Args:
-        d: constants
-        side: map for the sign of omega1
-        x: state at the beginning
-        w: workspace with the tolerance
-        regime: regime of the output shaft
-        limit: longest step, s
+        d: Constants.
+        side: Map for the sign of omega1.
+        x: State at the beginning.
+        w: Workspace with the tolerance.
+        regime: Regime of the output shaft.
+        limit: Longest step, s.
 
     Returns:
-        (True if a step is small enough, True if the regime ends with it).
+        (is_accepted, has_ended): True if a step satisfies the tolerance; True if the regime ends with it.
     """
     write_mean_rates(d, side, x, regime, x.omega1, x.omega3, w.means[0])
     if x.omega1 == 0.0 and x.omega3 == 0.0 and (regime == SLIPPING or regime == COASTING):
-        # the speed ratio shows only once both move
+        # The speed ratio is undefined until both move, so the first step is very small and explicit
         clear(w.mean_slopes[0].numbers)
         clear(w.mean_slopes[1].numbers)
         x.mean_step = START_RATIO * limit
@@ -207,7 +209,7 @@ def advance_regime(
         factor = min(max(factor, MIN_FACTOR), MAX_FACTOR)
         if error <= 1.0:
             x.mean_step = max(x.mean_step, factor * h) if h == limit else factor * h
-            beyond = beyond_step(d, side, x, w, regime)
+            beyond = end_indicator(d, side, x, w, regime)
             if beyond > 0.0:
                 end_at_event(d, side, x, w, regime, beyond)
             return True, beyond > 0.0
@@ -217,14 +219,14 @@ def advance_regime(
 
 
 def energy_gained(d: Constants, side: Side, x: State, omega1: float, omega3: float) -> float:
-    """Return the kinetic energy, J, that a step to these speeds adds to the mechanism and the output shaft.
+    """Return the kinetic energy that the mechanism and the output shaft gain in a step to these speeds, J.
 
     Args:
-        d: constants; d.steady is written for the end of the step
-        side: map for the sign of omega1
-        x: state at the beginning
-        omega1: input speed at the end, rad/s
-        omega3: speed of the output shaft at the end, rad/s
+        d: Constants; d.steady is written for the end of the step.
+        side: Map for the sign of omega1.
+        x: State at the beginning.
+        omega1: Input speed at the end, rad/s.
+        omega3: Speed of the output shaft at the end, rad/s.
     """
     before = energy_of_mechanism(d, side, x, x.omega1, x.omega3)
     gained = energy_of_mechanism(d, side, x, omega1, omega3) - before
@@ -234,37 +236,40 @@ def energy_gained(d: Constants, side: Side, x: State, omega1: float, omega3: flo
 def balanced_speed(
     d: Constants, side: Side, x: State, regime: int, omega1: float, omega3: float, gain: float
 ) -> float:
-    """Return the input speed, rad/s, at which a step by torque has gained the energy: one Newton iteration.
+    """Return the input speed at which a torque-driven step has gained the energy ``gain``, rad/s.
+
+    One iteration of Newton's method corrects the integrated speed.
 
     Args:
-        d: constants
-        side: map for the sign of omega1
-        x: state at the beginning
-        regime: regime of the output shaft
-        omega1: input speed at the end, rad/s
-        omega3: speed of the output shaft at the end, rad/s
-        gain: energy that the step must gain, J
+        d: Constants.
+        side: Map for the sign of omega1.
+        x: State at the beginning.
+        regime: Regime of the output shaft.
+        omega1: Input speed at the end, rad/s.
+        omega3: Speed of the output shaft at the end, rad/s.
+        gain: Energy that the step must gain, J.
     """
-    missing = gain - energy_gained(d, side, x, omega1, omega3)
+    difference = gain - energy_gained(d, side, x, omega1, omega3)
     s = min(speed_ratio(omega3, abs(omega1)), side.end)
     inertia = d.J1 + d.steady.inertia - (0.5 * s * d.steady.slope if regime == SLIPPING else 0.0)
     if regime == LOCKED:
         inertia += d.J3
-    correction = missing / (inertia * omega1) if omega1 != 0.0 else 0.0
+    correction = difference / (inertia * omega1) if omega1 != 0.0 else 0.0
     return omega1 + correction if abs(correction) < MAX_CORRECTION * abs(omega1) else omega1
 
 
-def take_step(d: Constants, side: Side, x: State, w: Workspace, regime: int) -> None:
-    """Add the step in hand to the state and its sums; energies balance.
+def accept_step(d: Constants, side: Side, x: State, w: Workspace, regime: int) -> None:
+    """Add the present step to the state and its sums by an energy balance.
 
-    By speed the balance gives the input work, by torque a small correction of the input speed.
+    Speed-driven, the balance gives the input work. Torque-driven, it gives a small correction of the input
+    speed.
 
     Args:
-        d: constants
-        side: map for the sign of omega1
-        x: state
-        w: workspace
-        regime: regime of the output shaft
+        d: Constants.
+        side: Map for the sign of omega1.
+        x: State.
+        w: Workspace.
+        regime: Regime of the output shaft.
     """
     change = w.mean_change
     omega1, omega3 = x.omega1 + change.omega1, x.omega3 + change.omega3
@@ -293,18 +298,18 @@ def take_step(d: Constants, side: Side, x: State, w: Workspace, regime: int) -> 
     x.housing_impulse += change.output + d.b2 * change.theta2 - change.mesh
 
 
-def meet_limits(side: Side, x: State, regime: int, ends: bool) -> None:
+def set_to_limits(side: Side, x: State, regime: int, has_ended: bool) -> None:
     """Set speeds at the end of a regime exactly to its limit.
 
     Args:
-        side: map for the sign of omega1
-        x: state
-        regime: regime that the step was made in
-        ends: True if the regime ends
+        side: Map for the sign of omega1.
+        x: State.
+        regime: Regime of the step.
+        has_ended: True if the regime ends.
     """
     if regime == LOCKED:
         x.omega3 = x.omega1
-    if not ends:
+    if not has_ended:
         return
     limit = side.end * abs(x.omega1)
     if regime == SLIPPING:
@@ -317,10 +322,10 @@ def run_averaged(d: Constants, x: State, w: Workspace, h: float) -> int:
     """Advance the mean motion by a communication step.
 
     Args:
-        d: constants
-        x: state with the inputs of the step
-        w: workspace
-        h: communication step, s
+        d: Constants.
+        x: State with the inputs of the step.
+        w: Workspace.
+        h: Communication step, s.
 
     Returns:
         Status.
@@ -331,22 +336,24 @@ def run_averaged(d: Constants, x: State, w: Workspace, h: float) -> int:
         side = side_now(d, x)
         regime = set_regime(d, side, x)
         limit = h - time
-        # a given speed passes zero: the map is another there
-        zero = d.by_torque == 0.0 and x.omega1 * x.alpha1 < 0.0 and abs(x.omega1) < abs(x.alpha1) * limit
-        if zero:
+        # A prescribed speed changes its sign, and the map with it
+        reaches_zero = (
+            d.by_torque == 0.0 and x.omega1 * x.alpha1 < 0.0 and abs(x.omega1) < abs(x.alpha1) * limit
+        )
+        if reaches_zero:
             limit = -x.omega1 / x.alpha1
-        fits, ends = advance_regime(d, side, x, w, regime, min(limit, d.max_step))
-        if not fits:
+        is_accepted, has_ended = advance_regime(d, side, x, w, regime, min(limit, d.max_step))
+        if not is_accepted:
             return STEP_TOO_SMALL
-        take_step(d, side, x, w, regime)
+        accept_step(d, side, x, w, regime)
         arrives = w.mean_length >= limit
         time += w.mean_length
         if d.by_torque == 0.0:
-            x.omega1 = 0.0 if zero and arrives else start + x.alpha1 * time
-        elif ends and side.direction * x.omega1 <= REST_RTOL * x.omega3:
+            x.omega1 = 0.0 if reaches_zero and arrives else start + x.alpha1 * time
+        elif has_ended and side.direction * x.omega1 <= REST_RTOL * x.omega3:
             x.omega1 = 0.0
-        meet_limits(side, x, regime, ends)
-        if arrives and not zero:
-            end_step(d, x)
+        set_to_limits(side, x, regime, has_ended)
+        if arrives and not reaches_zero:
+            update_end(d, x)
             return OK
     return TOO_MUCH_WORK

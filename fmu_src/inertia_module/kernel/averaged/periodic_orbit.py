@@ -5,8 +5,9 @@ a period over its speed at the beginning. The map never decreases, and a fixed p
 speed of the output. The period begins where link 2 is at rest in nearly all orbits; the first period is then
 the orbit.
 
-Driven by torque, the input torque and the initial input speed are unknown as well. A fixed-point iteration
-adjusts them until the period neither gains nor loses energy and has the demanded mean input speed.
+Torque-driven, the input torque and the initial input speed are unknown as well. A fixed-point iteration
+adjusts them until the energy at the end of the period is equal to its initial value and the mean input speed
+is correct.
 """
 
 import math
@@ -19,64 +20,64 @@ from ..inputs import reset_sums
 from ..links import energy_of_links, kinetic_energy
 from ..records import Constants, State, Workspace
 
-# inertia of the output shaft over the inertia of the mechanism
+# Inertia of the output shaft over the inertia of the mechanism
 HELD_INERTIA_RATIO = 1e12
-# longest period, revolutions of the pinion shaft; a longer one is replaced by this many revolutions
+# Maximum period, revolutions of the pinion shaft; it replaces a longer period
 MAX_REVOLUTIONS = 1000.0
-# periods until the fixed point is given up
+# Maximum number of periods in the search for the fixed point
 MAX_PERIODS = 30
-# change of omega2 over a period that counts as none, over omega1
+# Change of omega2 over a period that counts as 0, over omega1
 OMEGA2_ATOL = 1e-5
-# likewise the energy gained over the kinetic energy, and the error of the mean input speed over the speed
+# Energy gain that counts as 0, over the kinetic energy, and allowed relative error of the mean input speed
 ENERGY_RTOL = 1e-4
-# corrections of the input torque after which they are extrapolated (secant method); largest factor of one
+# Corrections of the input torque after which the secant method extrapolates them; maximum factor of one
 SLOW_CORRECTIONS, MAX_GAIN = 12, 10.0
-# internal steps of a period, right-hand-side evaluations of a map
+# Maximum internal steps of a period, and evaluations of the equations of motion for a map
 MAX_STEPS = 200000
 MAX_EVALUATIONS = 6e7
-# share of a period that counts as its end
+# Fraction of a period that counts as its end
 END_RTOL = 1e-9
-# time of a period over its shortest time at constant slip; beyond it links 1 and 2 stick together
+# Maximum time of a period over its time at the smallest constant slip; after it links 1 and 2 stick together
 MAX_TIME_RATIO = 4.0
-# no limit of an internal step, s
+# No limit of an internal step, s
 NO_LIMIT = 1e9
-# samples in a cycle of the highest harmonic in the search for a maximum
+# Samples in a cycle of the highest harmonic in the search for a maximum
 SAMPLES = 48
-# the period begins by this phase of the highest harmonic before link 2 is released, rad
+# Phase of the highest harmonic between the beginning of the period and the release of link 2, rad
 HEAD_START = 0.5
 
-# quantities with a maximum over the period, at input speed 1: inertia I of the imbalances; torque that locks
-# links 1 and 2; momentum of links 1 and 2 while link 2 is at rest; speed of link 2 in free flight; square of
-# its slip, negative
+# Kinds of quantities whose maximum over the period is needed, at the input speed 1: inertia I of the
+# imbalances; torque that locks links 1 and 2; momentum of links 1 and 2 while link 2 is at rest; speed of
+# link 2 in free flight; negative square of its slip
 INERTIA, LOCK_TORQUE, MOMENTUM, FLIGHT_SPEED, FLIGHT_SLIP = 0, 1, 2, 3, 4
 
 
 def hold_output(d: Constants) -> None:
-    """Set constants in which no torque changes the speed of the output shaft."""
+    """Set the inertia of the output shaft so large that no torque changes its speed."""
     d.J3 = HELD_INERTIA_RATIO * (d.J2 + d.F_by_alpha1)
     d.max_step = NO_LIMIT
 
 
 def period_length(d: Constants) -> float:
     """Return the angle of the pinion shaft, rad, after which the reduced inertia repeats."""
-    # with three or more satellites it depends only on the angle of the satellite
+    # With three or more satellites the reduced inertia depends only on the angle B
     length = TWO_PI / d.s if d.satellites > 2.0 and d.planar == 0.0 else d.period
     return min(length, TWO_PI * MAX_REVOLUTIONS)
 
 
 def quantity(d: Constants, kind: int, direction: float, momentum: float, q: float) -> float:
-    """Return a quantity (INERTIA to FLIGHT_SLIP) at the angle q, input speed 1.
+    """Return a quantity (INERTIA to FLIGHT_SLIP) at an angle of the pinion shaft and the input speed 1.
 
     In free flight from rest at constant input speed Jacobi's integral holds:
 
         (J2 + k^2 G) (omega1 - omega2)^2 - I = constant
 
     Args:
-        d: constants
-        kind: INERTIA, LOCK_TORQUE, MOMENTUM, FLIGHT_SPEED or FLIGHT_SLIP
-        direction: sign of omega1
-        momentum: momentum at which link 2 is released, kg m^2
-        q: angle of the pinion shaft, rad
+        d: Constants.
+        kind: INERTIA, LOCK_TORQUE, MOMENTUM, FLIGHT_SPEED or FLIGHT_SLIP.
+        direction: Sign of omega1.
+        momentum: Momentum at which link 2 is released, kg m^2.
+        q: Angle of the pinion shaft, rad.
     """
     i, i1, _, _, g, _ = reduced_inertia(d, q)
     if kind == INERTIA:
@@ -92,16 +93,16 @@ def quantity(d: Constants, kind: int, direction: float, momentum: float, q: floa
 
 
 def maximum(d: Constants, kind: int, direction: float, momentum: float) -> tuple[float, float]:
-    """Find the maximum of a quantity over the period by samples and the parabola through the highest three.
+    """Return the maximum of a quantity over the period: samples, and the parabola through the highest three.
 
     Args:
-        d: constants
-        kind: see quantity
-        direction: sign of omega1
-        momentum: see quantity
+        d: Constants.
+        kind: See quantity.
+        direction: Sign of omega1.
+        momentum: See quantity.
 
     Returns:
-        (angle of the pinion shaft in rad, maximum).
+        (angle, maximum): rad, and the unit of the quantity at the input speed 1.
     """
     length = period_length(d)
     count = int(math.ceil(length * d.harmonic / TWO_PI)) * SAMPLES
@@ -123,9 +124,10 @@ def maximum(d: Constants, kind: int, direction: float, momentum: float) -> tuple
 
 
 def release_angle(d: Constants, direction: float) -> float:
-    """Return the angle of the pinion shaft, rad, where link 2 is still at rest in each period.
+    """Return an angle of the pinion shaft at which link 2 is at rest in each period, rad.
 
-    The strongest pulse releases link 2 where the momentum of links 1 and 2 is largest.
+    The strongest pulse releases link 2 at the maximum of the momentum of links 1 and 2. The angle is
+    HEAD_START before it.
     """
     return maximum(d, MOMENTUM, direction, 0.0)[0] - direction * HEAD_START / d.harmonic
 
@@ -136,13 +138,13 @@ def angle_travelled(x: State) -> float:
 
 
 def energy_midway(d: Constants, before: State, after: State, time: float) -> float:
-    """Return the kinetic energy of links 1 and 2, J, at the middle of a step by cubic Hermite interpolation.
+    """Return the kinetic energy of links 1 and 2 at the middle of a step by cubic Hermite interpolation, J.
 
     Args:
-        d: constants
-        before: state at the beginning of the step
-        after: state at its end
-        time: length of the step, s
+        d: Constants.
+        before: State at the beginning of the step.
+        after: State at its end.
+        time: Length of the step, s.
     """
     turned = angle_travelled(after) - angle_travelled(before)
     slip0, slip1 = before.omega1 - before.omega2, after.omega1 - after.omega2
@@ -152,21 +154,21 @@ def energy_midway(d: Constants, before: State, after: State, time: float) -> flo
     return energy_of_links(d, i, b, g, omega1, omega1 - slip)
 
 
-def follow_period(d: Constants, x: State, w: Workspace, length: float) -> float:
-    """Follow the motion over an angle of the pinion shaft; the mean energy is left in w.orbit_energy.
+def integrate_period(d: Constants, x: State, w: Workspace, length: float) -> float:
+    """Integrate the motion over an angle of the pinion shaft and write its mean energy to w.orbit_energy.
 
-    A step beyond the end is repeated with the share of its time that a constant slip needs.
+    A step that passes the end is repeated with the fraction of its time that a constant slip needs.
 
     Args:
-        d: constants
-        x: state at the beginning of the period
-        w: workspace
-        length: angle, rad
+        d: Constants.
+        x: State at the beginning of the period.
+        w: Workspace.
+        length: Angle, rad.
 
     Returns:
-        Time of the period in s, or -1 if links 1 and 2 stick together in it.
+        Time of the period, s, or -1 if links 1 and 2 stick together in this period.
     """
-    before = w.kept
+    before = w.saved
     time = energy = 0.0
     slowest = max(abs(x.omega1) - x.omega3, 1e-6 * abs(x.omega1))
     if x.omega1 < 0.0:
@@ -180,18 +182,18 @@ def follow_period(d: Constants, x: State, w: Workspace, length: float) -> float:
         passed, event = advance_to_event(d, x, w, limit)
         if passed < 0.0 or time > longest:
             return -1.0
-        rest = length - abs(angle_travelled(x))
-        if rest < -END_RTOL * length:
+        remaining = length - abs(angle_travelled(x))
+        if remaining < -END_RTOL * length:
             copy(x.numbers, before.numbers)
             x.rates_cached = 0.0
-            limit = passed * left / (left - rest)
+            limit = passed * left / (left - remaining)
             continue
         e1 = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0)
         if passed > 0.0:
             energy += passed / 6.0 * (e0 + 4.0 * energy_midway(d, before, x, passed) + e1)
         e0 = e1
         time += passed
-        left = rest
+        left = remaining
         if event:
             select_mode_after_event(d, x)
             e0 = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0)
@@ -206,15 +208,15 @@ def follow_period(d: Constants, x: State, w: Workspace, length: float) -> float:
 
 
 def begin_period(d: Constants, x: State, w: Workspace, omega1: float, omega2: float, omega3: float) -> None:
-    """Set the state at the beginning of a period; the rest of the engagement angles stays.
+    """Set the state at the beginning of a period. The remaining engagement angles do not change.
 
     Args:
-        d: constants
-        x: state
-        w: workspace with orbit_start and orbit_torque
-        omega1: speed of link 1, rad/s
-        omega2: speed of link 2, rad/s
-        omega3: speed of the output shaft, rad/s
+        d: Constants.
+        x: State.
+        w: Workspace with orbit_start and orbit_torque.
+        omega1: Speed of link 1, rad/s.
+        omega2: Speed of link 2, rad/s.
+        omega3: Speed of the output shaft, rad/s.
     """
     play_housing, play_output = x.play_housing, x.play_output
     clear(x.numbers)
@@ -223,7 +225,7 @@ def begin_period(d: Constants, x: State, w: Workspace, omega1: float, omega2: fl
     x.omega1 = omega1
     x.omega2 = omega2
     x.omega3 = omega3
-    x.held_input = omega1
+    x.last_input_speed = omega1
     x.drive_torque = w.orbit_torque if d.by_torque != 0.0 else 0.0
     w.prescribed = x.drive_torque
     w.load = 0.0
@@ -250,18 +252,19 @@ def correction_factor(corrections: int, change: float, reduction: float) -> floa
 
 
 def find_orbit(d: Constants, x: State, w: Workspace, omega1: float, ratio: float, length: float) -> float:
-    """Find the periodic orbit at a mean input speed and a ratio; the state ends with the sums of a period.
+    """Find the periodic orbit at a mean input speed and a ratio. The state then holds the sums of its period.
 
-    The fixed point of the return map is bracketed. Its ends are the first two guesses after a period from
-    rest and the period that follows it; then secant and bisection alternate.
+    The fixed point of the return map is bracketed. The first four guesses of the initial speed of link 2 are:
+    rest, the final speed of this period, the speed of the output, the final speed of this period. Then secant
+    and bisection alternate.
 
     Args:
-        d: constants with a held output (see hold_output)
-        x: state
-        w: workspace with tolerance, orbit_start and by torque a guess of orbit_torque
-        omega1: mean input speed, rad/s, not 0
-        ratio: output speed over input speed, magnitudes
-        length: angle of a period, rad
+        d: Constants with a held output (see hold_output).
+        x: State.
+        w: Workspace with tolerance, orbit_start and, torque-driven, a first guess of orbit_torque.
+        omega1: Mean input speed, rad/s, not 0.
+        ratio: omega3 / |omega1|.
+        length: Angle of a period, rad.
 
     Returns:
         Time of the period, s, or -1 if there is no orbit.
@@ -280,14 +283,14 @@ def find_orbit(d: Constants, x: State, w: Workspace, omega1: float, ratio: float
     for _ in range(MAX_PERIODS):
         begin_period(d, x, w, begin1, begin, speed)
         begin_energy = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0)
-        time = follow_period(d, x, w, length)
+        time = integrate_period(d, x, w, length)
         d.map_evaluations += x.step_evaluations
         if d.map_evaluations > MAX_EVALUATIONS:
             return -1.0
         turned = input_angle(x)
         gained = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0) - begin_energy
         if time < 0.0:
-            # losses nearly stop link 1 within the period: the torque is too small
+            # Losses nearly stop link 1 within the period: the torque is too small.
             if d.by_torque == 0.0 or w.orbit_torque != 0.0 or turned * omega1 <= 0.0:
                 return -1.0
             w.orbit_torque -= gained / turned
@@ -296,10 +299,10 @@ def find_orbit(d: Constants, x: State, w: Workspace, omega1: float, ratio: float
         change = end - begin
         if d.by_torque != 0.0:
             scale = omega1 * time / turned
-            settled = abs(gained) <= ENERGY_RTOL * w.orbit_energy and abs(scale - 1.0) <= ENERGY_RTOL
-            if not settled:
-                # torque and energy scale with the square of the speed; losses that grow with the torque
-                # reduce the effect of a correction
+            is_periodic = abs(gained) <= ENERGY_RTOL * w.orbit_energy and abs(scale - 1.0) <= ENERGY_RTOL
+            if not is_periodic:
+                # Torque and energy scale with the square of the speed. Losses that grow with the torque
+                # reduce the effect of a correction.
                 missing = -gained / turned * scale * scale
                 torque = w.orbit_torque * scale * scale
                 factor = correction_factor(corrections, torque - last_torque, last_missing - missing)

@@ -1,20 +1,20 @@
 """Torque map of fidelity averaged: means of periodic orbits over the speed ratio and the slowness.
 
-Without friction all torques scale with omega1^2: one orbit per ratio omega3 / |omega1| is enough. Friction b
-and drag D scale with b / |omega1| and D / omega1^2. Torques are therefore divided by V^2 with V = |omega1| +
-V0, where V0 is the input speed at which friction and drag take the stall torque. They are then nearly
-parabolas of the slowness V0 / V, which is 0 at infinite speed and 1 at rest. Losses by load scale with
-omega1^2 as well.
+Without friction all torques scale with omega1^2: one orbit per ratio omega3 / |omega1| is sufficient.
+Relative to omega1^2, viscous friction b scales with b / |omega1| and drag D with D / omega1^2. Torques are
+therefore divided by V^2 with V = |omega1| + V0. V0 is the input speed at which friction and drag consume the
+stall torque. The quotients are nearly parabolas of the slowness V0 / V, which is 0 at infinite speed and 1 at
+rest. Load-dependent losses scale with omega1^2 as well.
 
-The ratios of the grid are fixed shares of the last ratio (RATIOS). The slownesses are not, because the torque
-has kinks where the pulses no longer move link 2: each new slowness halves the interval with the largest
-interpolation error (equidistribution: de Boor, 1978, A Practical Guide to Splines). Between the points all
-curves are monotone cubics (Fritsch & Carlson, 1980, SIAM Journal on Numerical Analysis 17) with the slopes of
-parabolas, limited as by Hyman (1983, SIAM Journal on Scientific and Statistical Computing 4). At rest
-friction and drag alone act: link 2 turns evenly.
+The ratios of the grid are fixed fractions of the last ratio (RATIOS). The slownesses are not fixed, because
+the torque has kinks at which the pulses no longer move link 2. Each new slowness halves the interval with the
+largest interpolation error (equidistribution: de Boor, 1978, A Practical Guide to Splines). Between the
+points all curves are monotone cubics (Fritsch & Carlson, 1980, SIAM Journal on Numerical Analysis 17) with
+the slopes of parabolas, limited as by Hyman (1983, SIAM Journal on Scientific and Statistical Computing 4).
+Near rest only friction and drag act, and the speed of link 2 is constant.
 
-Friction of link 1 and of the output shaft is exact without a map. Driven by torque, orbits have the constant
-input torque that keeps their energy; they depend on J1.
+Friction of link 1 and of the output shaft is exact without a map. Torque-driven, an orbit has the constant
+input torque at which its energy is periodic; it depends on J1.
 """
 
 import math
@@ -38,61 +38,62 @@ from .periodic_orbit import (
     release_angle,
 )
 
-# speed ratios of the grid over the last one, closer at both ends
+# Speed ratios of the grid over the last ratio, closer at both ends
 RATIOS = (
     *(0.0, 0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.26, 0.32, 0.38, 0.44),
     *(0.5, 0.56, 0.62, 0.69, 0.76, 0.82, 0.88, 0.93, 0.97, 1.0),
 )
-# first slownesses V0 / (|omega1| + V0) of the grid; at the last two friction and drag alone act
+# First slownesses of the grid; at the last N_FRICTION_ONLY only friction and drag act
 FIRST_SLOWNESSES = (0.0, 0.25, 0.5, 0.75, 0.99, 1.0)
-N_EVEN = 2
-# number of slownesses of the grid
+N_FRICTION_ONLY = 2
+# Number of slownesses of the complete grid
 SLOWNESSES = 15
-# causes of losses in the map
+# Causes of losses in the map
 LOSSES = (VISCOUS, MESH, JOURNAL, FREEWHEEL)
-# places in a column of the map (fields.COLUMN)
+# Positions in a column of the map (fields.COLUMN)
 TORQUE, LINK2, LOST = 0, SLOWNESSES, 2 * SLOWNESSES
 ENERGY = LOST + len(LOSSES) * SLOWNESSES
 RIPPLE, PEAK = ENERGY + 1, ENERGY + 2
-# ratio of the first orbit (the drag of the output freewheel acts only while the output turns), and slip of
-# the last one over the last ratio
+# Ratio of the first orbit over the last ratio, not 0 because the drag of the output freewheel acts only while
+# the output turns; distance of the last orbit from the last ratio, over this ratio
 FIRST_RATIO, LAST_SLIP = 1e-4, 2e-3
-# square of the least slip in free flight, over omega1^2, at which link 2 reaches link 1
+# Square of the minimum slip in free flight, over omega1^2, below which link 2 reaches link 1
 LOCK_SLIP_SQUARED = 1e-9
-# tolerance of an orbit
+# Relative tolerance of an orbit
 ORBIT_TOLERANCE = 1e-6
-# stall torque that stands for none, over the largest mesh torque
+# Minimum stall torque in the formula of V0 over the bound of the mesh torque, both over omega1^2
 MIN_STALL_RATIO = 0.01
-# growth of the last ratio while losses by load, which release link 2 later and faster, leave a torque there:
-# factor, largest number of times, torque over the largest mesh torque that counts as none
+# Growth of the last ratio at negative input speed, where load-dependent losses release link 2 later and
+# faster: factor, maximum number of repetitions, torque over the bound of the mesh torque that counts as 0
 GROWTH, MAX_GROWTHS, NO_TORQUE_RATIO = 1.1, 8, 1e-4
-# last ratio of a mechanism that transmits no torque
+# Last ratio of a mechanism that transmits no torque
 MIN_LAST_RATIO = 0.01
-# input speed that stands for rest, over V0
+# Minimum input speed over V0, for rest
 REST_SPEED_RATIO = 1e-6
-# least inertia J1 over the largest inertia I of the imbalances, driven by torque
+# Minimum inertia J1 over the maximum inertia I of the imbalances, torque-driven
 MIN_INPUT_INERTIA_RATIO = 5.0
 
 
 def is_light_input(d: Constants) -> bool:
-    """Return True if link 1, driven by torque, is too light compared to the imbalances for a mean motion."""
-    largest = maximum(d, INERTIA, 1.0, 0.0)[1]
-    return d.by_torque != 0.0 and d.J1 < MIN_INPUT_INERTIA_RATIO * largest
+    """Return True if a torque-driven link 1 is too light relative to the imbalances for a mean motion."""
+    max_inertia = maximum(d, INERTIA, 1.0, 0.0)[1]
+    return d.by_torque != 0.0 and d.J1 < MIN_INPUT_INERTIA_RATIO * max_inertia
 
 
 def make_cell(
     left: float, width: float, right: float, t: float
 ) -> tuple[float, float, float, float, float, float]:
-    """Return the numbers of cubic that depend on the points alone.
+    """Return the coefficients for cubic that depend only on the positions of the points.
 
     Args:
-        left: distance from the point before the interval; 0 without one
-        width: width of the interval
-        right: distance from the interval to the point after it; 0 without one
-        t: distance into the interval
+        left: Distance from the point before the interval; 0 if the interval is the first one.
+        width: Width of the interval.
+        right: Distance from the interval to the point after it; 0 if the interval is the last one.
+        t: Distance from the beginning of the interval.
 
     Returns:
-        (one over left, width and right, or 0; weights of the other secant in the slopes at both ends; t).
+        (1/left, 1/width, 1/right, weight0, weight1, t): inverse distances, 0 if there is no point; weights of
+        the neighbouring secant in the slopes at both ends of the interval; t.
     """
     per_left = 1.0 / left if left > 0.0 else 0.0
     per_right = 1.0 / right if right > 0.0 else 0.0
@@ -105,10 +106,11 @@ def limited_slope(rise: float, other: float, weight: float, is_end: bool) -> flo
     """Return the slope of the parabola through three points, limited for a monotone cubic.
 
     Args:
-        rise: secant of the interval
-        other: secant of the interval beyond the point; at the first and the last point, of the next interval
-        weight: weight of the other secant
-        is_end: True at the first and the last point
+        rise: Slope of the secant of the interval.
+        other: Slope of the secant of the neighbouring interval. At the first and the last point of the curve
+            it is the only neighbour, on the other side of the interval.
+        weight: Weight of ``other``.
+        is_end: True at the first and the last point of the curve.
     """
     slope = rise + weight * (other - rise)
     if is_end:
@@ -123,11 +125,11 @@ def cubic(
     """Interpolate a curve between two of its points.
 
     Args:
-        cell: numbers of the points (make_cell)
-        a: value at the point before
-        b: value at the beginning of the interval
-        c: value at its end
-        e: value at the point after
+        cell: Coefficients of the interval (make_cell).
+        a: Value at the point before.
+        b: Value at the beginning of the interval.
+        c: Value at its end.
+        e: Value at the point after.
 
     Returns:
         (value, slope).
@@ -150,12 +152,12 @@ def ratio_interval(side: Side, s: float) -> int:
 
 
 def ratio_cell(side: Side, n: int, s: float) -> tuple[float, float, float, float, float, float]:
-    """Return the numbers of a ratio for cubic.
+    """Return the coefficients of a ratio for cubic.
 
     Args:
-        side: map for one sign of omega1
-        n: number of the interval
-        s: speed ratio
+        side: Map for one sign of omega1.
+        n: Number of the interval.
+        s: Speed ratio.
     """
     left = side.end * (RATIOS[n] - RATIOS[n - 1]) if n > 0 else 0.0
     right = side.end * (RATIOS[n + 2] - RATIOS[n + 1]) if n < len(RATIOS) - 2 else 0.0
@@ -171,12 +173,12 @@ def slowness_interval(side: Side, z: float) -> int:
 
 
 def slowness_cell(side: Side, m: int, z: float) -> tuple[float, float, float, float, float, float]:
-    """Return the numbers of a slowness for cubic.
+    """Return the coefficients of a slowness for cubic.
 
     Args:
-        side: map for one sign of omega1
-        m: number of the interval
-        z: slowness
+        side: Map for one sign of omega1.
+        m: Number of the interval.
+        z: Slowness.
     """
     left = side.slowness[m] - side.slowness[m - 1] if m > 0 else 0.0
     right = side.slowness[m + 2] - side.slowness[m + 1] if m < len(side.slowness) - 2 else 0.0
@@ -184,35 +186,38 @@ def slowness_cell(side: Side, m: int, z: float) -> tuple[float, float, float, fl
 
 
 def curve(
-    side: Side, n: int, cell: tuple[float, float, float, float, float, float], place: int
+    side: Side, n: int, cell: tuple[float, float, float, float, float, float], position: int
 ) -> tuple[float, float]:
-    """Return value and slope at a ratio of a number of each column.
+    """Interpolate a number that each column has once, over the ratio.
 
     Args:
-        side: map for one sign of omega1
-        n: number of the interval
-        cell: numbers of the ratio (ratio_cell)
-        place: place of the number in a column
+        side: Map for one sign of omega1.
+        n: Number of the interval.
+        cell: Coefficients of the ratio (ratio_cell).
+        position: Position of the number in a column.
+
+    Returns:
+        (value, slope) at the ratio.
     """
     before, after = max(n - 1, 0), min(n + 2, len(RATIOS) - 1)
-    a, b = side.columns[before].numbers[place], side.columns[n].numbers[place]
-    c, e = side.columns[n + 1].numbers[place], side.columns[after].numbers[place]
+    a, b = side.columns[before].numbers[position], side.columns[n].numbers[position]
+    c, e = side.columns[n + 1].numbers[position], side.columns[after].numbers[position]
     return cubic(cell, a, b, c, e)
 
 
 def at_slowness(
-    column: Column, m: int, cell: tuple[float, float, float, float, float, float], place: int
+    column: Column, m: int, cell: tuple[float, float, float, float, float, float], position: int
 ) -> float:
-    """Return the value at a slowness of numbers that a column has for all slownesses.
+    """Interpolate numbers that a column has for each slowness, and return the value at a slowness.
 
     Args:
-        column: of the map
-        m: number of the interval
-        cell: numbers of the slowness (slowness_cell)
-        place: place of the first number in the column
+        column: Column of the map.
+        m: Number of the interval.
+        cell: Coefficients of the slowness (slowness_cell).
+        position: Position of the first number in the column.
     """
-    before, after = place + max(m - 1, 0), place + min(m + 2, SLOWNESSES - 1)
-    i = place + m
+    before, after = position + max(m - 1, 0), position + min(m + 2, SLOWNESSES - 1)
+    i = position + m
     values = column.numbers
     value, _ = cubic(cell, values[before], values[i], values[i + 1], values[after])
     return value
@@ -224,53 +229,55 @@ def surface(
     ratio: tuple[float, float, float, float, float, float],
     m: int,
     slowness: tuple[float, float, float, float, float, float],
-    place: int,
+    position: int,
 ) -> float:
-    """Return the value at a ratio and a slowness of numbers that each column has for all slownesses.
+    """Interpolate numbers that each column has for each slowness, and return the value at ratio and slowness.
 
     Args:
-        side: map for one sign of omega1
-        n: number of the interval of the ratio
-        ratio: numbers of the ratio (ratio_cell)
-        m: number of the interval of the slowness
-        slowness: numbers of the slowness (slowness_cell)
-        place: place of the first number in a column
+        side: Map for one sign of omega1.
+        n: Number of the interval of the ratio.
+        ratio: Coefficients of the ratio (ratio_cell).
+        m: Number of the interval of the slowness.
+        slowness: Coefficients of the slowness (slowness_cell).
+        position: Position of the first number in a column.
     """
-    if side.slow == 0.0:
-        value, _ = curve(side, n, ratio, place)
+    if side.v0 == 0.0:
+        value, _ = curve(side, n, ratio, position)
         return value
-    a = at_slowness(side.columns[max(n - 1, 0)], m, slowness, place)
-    b = at_slowness(side.columns[n], m, slowness, place)
-    c = at_slowness(side.columns[n + 1], m, slowness, place)
-    e = at_slowness(side.columns[min(n + 2, len(RATIOS) - 1)], m, slowness, place)
+    a = at_slowness(side.columns[max(n - 1, 0)], m, slowness, position)
+    b = at_slowness(side.columns[n], m, slowness, position)
+    c = at_slowness(side.columns[n + 1], m, slowness, position)
+    e = at_slowness(side.columns[min(n + 2, len(RATIOS) - 1)], m, slowness, position)
     value, _ = cubic(ratio, a, b, c, e)
     return value
 
 
 def look_up(d: Constants, side: Side, speed: float, ratio: float, means: Steady) -> None:
-    """Write the means of the steady motion at an input speed and a speed ratio up to the last one.
+    """Write the means of the steady motion at an input speed and a speed ratio.
+
+    A ratio beyond the last one counts as the last one.
 
     Args:
-        d: constants
-        side: map for one sign of omega1
-        speed: magnitude of omega1, rad/s
-        ratio: omega3 / |omega1|
-        means: record that is written (fields.STEADY)
+        d: Constants.
+        side: Map for one sign of omega1.
+        speed: Magnitude of omega1, rad/s.
+        ratio: omega3 / |omega1|.
+        means: Record that is written (fields.STEADY).
     """
     s = min(max(ratio, 0.0), side.end)
     n = ratio_interval(side, s)
     cell = ratio_cell(side, n, s)
-    scale = speed + side.slow
+    scale = speed + side.v0
     m, slowness = 0, cell
-    if side.slow > 0.0:
-        z = side.slow / scale
+    if side.v0 > 0.0:
+        z = side.v0 / scale
         m = slowness_interval(side, z)
         slowness = slowness_cell(side, m, z)
     means.torque = scale * scale * surface(side, n, cell, m, slowness, TORQUE)
     means.omega2 = speed * min(max(surface(side, n, cell, m, slowness, LINK2), 0.0), s)
     means.inertia, means.slope = curve(side, n, cell, ENERGY)
     clear(means.lost)
-    if d.lossy != 0.0:
+    if d.averaged_losses != 0.0:
         for cause in range(len(LOSSES)):
             value = surface(side, n, cell, m, slowness, LOST + SLOWNESSES * cause)
             means.lost[int(LOSSES[cause])] = scale * scale * max(value, 0.0)
@@ -278,12 +285,14 @@ def look_up(d: Constants, side: Side, speed: float, ratio: float, means: Steady)
 
 
 def look_up_energy(side: Side, ratio: float, means: Steady) -> None:
-    """Write the inertia of the mean energy and its slope at a speed ratio up to the last one.
+    """Write the inertia of the mean energy and its slope over the speed ratio.
+
+    A ratio beyond the last one counts as the last one.
 
     Args:
-        side: map for one sign of omega1
-        ratio: omega3 / |omega1|
-        means: record that is written (fields.STEADY)
+        side: Map for one sign of omega1.
+        ratio: omega3 / |omega1|.
+        means: Record that is written (fields.STEADY).
     """
     s = min(max(ratio, 0.0), side.end)
     n = ratio_interval(side, s)
@@ -291,12 +300,12 @@ def look_up_energy(side: Side, ratio: float, means: Steady) -> None:
 
 
 def look_up_pulses(side: Side, speed: float, ratio: float) -> tuple[float, float]:
-    """Return RMS about the mean and peak of the output torque, N m, of the ideal motion.
+    """Return the standard deviation and the peak of the output torque of the ideal motion, N m.
 
     Args:
-        side: map for one sign of omega1
-        speed: magnitude of omega1, rad/s
-        ratio: omega3 / |omega1|
+        side: Map for one sign of omega1.
+        speed: Magnitude of omega1, rad/s.
+        ratio: omega3 / |omega1|.
     """
     if ratio >= side.end:
         return 0.0, 0.0
@@ -307,45 +316,42 @@ def look_up_pulses(side: Side, speed: float, ratio: float) -> tuple[float, float
     return speed * speed * ripple, speed * speed * peak
 
 
-# --- building ---
-
-
-def set_friction(p: Parameters, d: Constants, share: float) -> None:
-    """Set friction and drag of the satellites, link 2 and the freewheels to a share of the parameters.
+def set_friction(p: Parameters, d: Constants, factor: float) -> None:
+    """Set friction and drag of pinion shafts, link 2 and freewheels to a multiple of the parameters.
 
     Args:
-        p: parameters
-        d: constants
-        share: 1, or 0 for the motion at infinite speed
+        p: Parameters.
+        d: Constants.
+        factor: 1, or 0 for the motion at infinite speed.
     """
     d.b1 = d.b3 = 0.0
-    d.bq = share * p.drive_friction
-    d.b2 = share * p.link2_friction
-    d.housing_drag = share * p.housing_drag
-    d.housing_drag_viscous = share * p.housing_drag_viscous
-    d.output_drag = share * p.output_drag
-    d.output_drag_viscous = share * p.output_drag_viscous
+    d.bq = factor * p.drive_friction
+    d.b2 = factor * p.link2_friction
+    d.housing_drag = factor * p.housing_drag
+    d.housing_drag_viscous = factor * p.housing_drag_viscous
+    d.output_drag = factor * p.output_drag
+    d.output_drag_viscous = factor * p.output_drag_viscous
 
 
 def resistance(p: Parameters, d: Constants, speed: float) -> float:
-    """Return the torque of all friction and drag of the map at an input speed, N m.
+    """Return the torque of all friction and drag of the map if all parts turn at the input speed, N m.
 
     Args:
-        p: parameters
-        d: constants
-        speed: magnitude of omega1, rad/s
+        p: Parameters.
+        d: Constants.
+        speed: Magnitude of omega1, rad/s.
     """
     viscous = p.link2_friction + p.housing_drag_viscous + p.output_drag_viscous + d.k * d.k * p.drive_friction
     return p.housing_drag + p.output_drag + viscous * speed
 
 
 def balance_speed(p: Parameters, d: Constants, stall: float) -> float:
-    """Return the input speed, rad/s, at which friction and drag take the stall torque; 0 without any.
+    """Return V0, the input speed at which friction and drag consume the stall torque, rad/s; 0 without them.
 
     Args:
-        p: parameters
-        d: constants
-        stall: stall torque of the ideal motion over omega1^2, kg m^2
+        p: Parameters.
+        d: Constants.
+        stall: Stall torque of the ideal motion over omega1^2, kg m^2.
     """
     drag = resistance(p, d, 0.0)
     viscous = resistance(p, d, 1.0) - drag
@@ -356,15 +362,22 @@ def balance_speed(p: Parameters, d: Constants, stall: float) -> float:
 
 
 def last_ratio(d: Constants, direction: float) -> tuple[float, float]:
-    """Return the last ratio of the map, and 1 if free flight takes link 2 to link 1 there, else 0.
+    """Return the last ratio of the map, at which the mechanism no longer drives the output.
 
-    Forwards no torque is transmitted above ratio 1, because the housing only pushes. Losses may take link 2
-    to link 1 where free flight does not.
+    For a positive input speed it is at most 1, because the housing only pushes. With losses link 2 may reach
+    link 1 also if it does not in free flight.
+
+    Args:
+        d: Constants.
+        direction: Sign of omega1.
+
+    Returns:
+        (ratio, locks): locks is 1 if link 2 reaches the speed of link 1 in free flight, otherwise 0.
     """
     momentum = maximum(d, MOMENTUM, direction, 0.0)[1]
     locks = direction > 0.0 and -maximum(d, FLIGHT_SLIP, direction, momentum)[1] < LOCK_SLIP_SQUARED
     flight = max(maximum(d, FLIGHT_SPEED, direction, momentum)[1], 0.0)
-    if locks or (direction > 0.0 and d.lossy != 0.0):
+    if locks or (direction > 0.0 and d.averaged_losses != 0.0):
         return 1.0, 1.0 if locks else 0.0
     return max(flight, MIN_LAST_RATIO), 0.0
 
@@ -375,14 +388,14 @@ def write_orbit(
     """Write the means of an orbit for slowness m into a column of the map.
 
     Args:
-        d: constants
-        x: state after the period, with its sums
-        w: workspace with orbit_energy
-        column: of the map
-        m: number of the slowness
-        omega1: mean input speed, rad/s
-        scale: V, rad/s
-        time: of the period, s
+        d: Constants.
+        x: State after the period, with its sums.
+        w: Workspace with orbit_energy.
+        column: Column of the map, written.
+        m: Number of the slowness.
+        omega1: Mean input speed, rad/s.
+        scale: V, rad/s.
+        time: Time of the period, s.
     """
     speed, square = abs(omega1), scale * scale
     column.torque[m] = x.output_impulse / (time * square)
@@ -398,12 +411,12 @@ def write_orbit(
 
 
 def copy_orbit(column: Column, before: Column, m: int) -> None:
-    """Copy the means for slowness m from the column of the ratio before.
+    """Copy the means for slowness m from the column of the previous ratio.
 
     Args:
-        column: of the map, written
-        before: column of the ratio before
-        m: number of the slowness
+        column: Column of the map, written.
+        before: Column of the previous ratio.
+        m: Number of the slowness.
     """
     column.torque[m] = before.torque[m]
     column.link2[m] = before.link2[m]
@@ -413,36 +426,37 @@ def copy_orbit(column: Column, before: Column, m: int) -> None:
         column.inertia, column.ripple, column.peak = before.inertia, before.ripple, before.peak
 
 
-def write_even(d: Constants, side: Side, column: Column, m: int, ratio: float) -> None:
-    """Write the means of slow links for slowness m: friction and drag alone act, and link 2 turns evenly.
+def write_friction_means(d: Constants, side: Side, column: Column, m: int, ratio: float) -> None:
+    """Write the means for a slowness m so large that only friction and drag act.
 
-    Link 2 rests, turns with the output shaft, or at the speed between at which its torques balance.
+    The speed of link 2 is then constant: 0, equal to the output speed, or the value between them at which the
+    torques on link 2 balance.
 
     Args:
-        d: constants with friction and drag
-        side: map for one sign of omega1, with its V0
-        column: of the map
-        m: number of the slowness
-        ratio: omega3 / |omega1|
+        d: Constants with friction and drag.
+        side: Map for one sign of omega1, with its V0.
+        column: Column of the map, written.
+        m: Number of the slowness.
+        ratio: omega3 / |omega1|.
     """
-    speed = side.slow * max((1.0 - side.slowness[m]) / side.slowness[m], REST_SPEED_RATIO)
+    speed = side.v0 * max((1.0 - side.slowness[m]) / side.slowness[m], REST_SPEED_RATIO)
     omega3 = ratio * speed
     pull = d.k * d.k * d.bq / (1.0 - d.mesh_loss)
     resisting = pull + d.b2 + d.housing_drag_viscous
     driving = side.direction * pull * speed + d.output_drag_viscous * omega3 + d.output_drag - d.housing_drag
     omega2 = min(max(driving, 0.0) / (resisting + d.output_drag_viscous + 1e-300), omega3)
-    over, slip = omega3 - omega2, side.direction * speed - omega2
-    torque = -d.output_drag - d.output_drag_viscous * over
-    if over == 0.0:
+    overrun, slip = omega3 - omega2, side.direction * speed - omega2
+    torque = -d.output_drag - d.output_drag_viscous * overrun
+    if overrun == 0.0:
         torque = side.direction * pull * speed - resisting * omega2 - d.housing_drag
-    square = (speed + side.slow) * (speed + side.slow)
+    square = (speed + side.v0) * (speed + side.v0)
     column.torque[m] = torque / square
     column.link2[m] = omega2 / speed
     power = speed * square
     viscous = d.bq * d.k * d.k * slip * slip + d.b2 * omega2 * omega2
     drag = (d.housing_drag + d.housing_drag_viscous * omega2) * omega2
-    drag += (d.output_drag + d.output_drag_viscous * over) * over
-    # in the order of LOSSES; journals lose nothing
+    drag += (d.output_drag + d.output_drag_viscous * overrun) * overrun
+    # In the order of LOSSES; journal friction needs centrifugal forces, which are 0 here
     column.lost[m] = viscous / power
     column.lost[SLOWNESSES + m] = d.mesh_loss * pull * slip * slip / power
     column.lost[2 * SLOWNESSES + m] = 0.0
@@ -450,42 +464,42 @@ def write_even(d: Constants, side: Side, column: Column, m: int, ratio: float) -
 
 
 def grid_ratio(side: Side, n: int) -> float:
-    """Return the speed ratio of the orbit for point n of RATIOS."""
+    """Return the speed ratio of the orbit for RATIOS[n]."""
     return min(max(side.end * RATIOS[n], FIRST_RATIO * side.end), side.end * (1.0 - LAST_SLIP))
 
 
 def add_orbit(d: Constants, w: Workspace, side: Side, n: int, m: int, omega1: float) -> bool:
-    """Write the orbit of ratio n for slowness m; without an orbit, write the means of the ratio before.
+    """Write the orbit of ratio n for slowness m. If there is no orbit, copy the means of the previous ratio.
 
     Args:
-        d: constants with the friction of this slowness
-        w: workspace
-        side: map for one sign of omega1
-        n: number of the ratio
-        m: number of the slowness
-        omega1: mean input speed of the orbit, rad/s
+        d: Constants with the friction of this slowness.
+        w: Workspace.
+        side: Map for one sign of omega1.
+        n: Number of the ratio.
+        m: Number of the slowness.
+        omega1: Mean input speed of the orbit, rad/s.
 
     Returns:
         True if the column has means.
     """
-    scale = abs(omega1) + (side.slow if m > 0 else 0.0)
-    time = find_orbit(d, w.part, w, omega1, grid_ratio(side, n), period_length(d))
+    scale = abs(omega1) + (side.v0 if m > 0 else 0.0)
+    time = find_orbit(d, w.orbit, w, omega1, grid_ratio(side, n), period_length(d))
     if time > 0.0:
-        write_orbit(d, w.part, w, side.columns[n], m, omega1, scale, time)
+        write_orbit(d, w.orbit, w, side.columns[n], m, omega1, scale, time)
     elif n > 0:
         copy_orbit(side.columns[n], side.columns[n - 1], m)
     return time > 0.0 or n > 0
 
 
 def add_orbits(d: Constants, w: Workspace, side: Side, m: int, omega1: float) -> bool:
-    """Write the orbits of all ratios for slowness m. Returns True if there is an orbit at the first ratio.
+    """Write the orbits of all ratios for slowness m.
 
     Args:
-        d: constants with the friction of this slowness
-        w: workspace
-        side: map for one sign of omega1
-        m: number of the slowness
-        omega1: mean input speed of the orbits, rad/s
+        d: Constants with the friction of this slowness.
+        w: Workspace.
+        side: Map for one sign of omega1.
+        m: Number of the slowness.
+        omega1: Mean input speed of the orbits, rad/s.
     """
     w.orbit_torque = 0.0
     for n in range(len(RATIOS)):
@@ -495,16 +509,18 @@ def add_orbits(d: Constants, w: Workspace, side: Side, m: int, omega1: float) ->
 
 
 def shift_orbits(side: Side, column: Column, before: Column) -> None:
-    """Add to the orbits at constant input speed the change that the oscillation of the input speed makes.
+    """Add the effect of an oscillating input speed to the orbits at constant input speed.
 
-    The change is the change without friction: between the orbit by torque and the orbit at constant speed.
+    The effect is taken from the motion without friction: the difference between the torque-driven orbit and
+    the orbit at constant input speed.
 
     Args:
-        side: map for one sign of omega1
-        column: of the map, at slowness 0 with the orbit by torque
-        before: the same column, at slowness 0 with the orbit at constant input speed
+        side: Map for one sign of omega1.
+        column: Column of the map, at slowness 0 with the torque-driven orbit; written at the other
+            slownesses.
+        before: Copy of the column, at slowness 0 with the orbit at constant input speed.
     """
-    for m in range(1, len(side.slowness) - N_EVEN):
+    for m in range(1, len(side.slowness) - N_FRICTION_ONLY):
         share = (1.0 - side.slowness[m]) * (1.0 - side.slowness[m])
         column.torque[m] += share * (column.torque[0] - before.torque[0])
         column.link2[m] += column.link2[0] - before.link2[0]
@@ -516,9 +532,9 @@ def curvature(side: Side, n: int, m: int) -> float:
     """Return the second divided difference of the torque over three slownesses in a column, over V^2.
 
     Args:
-        side: map for one sign of omega1
-        n: number of the ratio
-        m: number of the slowness in the middle
+        side: Map for one sign of omega1.
+        n: Number of the ratio.
+        m: Number of the slowness in the middle.
     """
     torque = side.columns[n].torque
     left, right = side.slowness[m] - side.slowness[m - 1], side.slowness[m + 1] - side.slowness[m]
@@ -528,94 +544,94 @@ def curvature(side: Side, n: int, m: int) -> float:
 def interpolation_error(side: Side, m: int, count: int) -> float:
     """Return an estimate of the interpolation error of the torque in an interval of slownesses, over V^2.
 
-    The square of the width times the change of the curvature to the neighbour where it changes less. The
-    choice between two neighbours (as in ENO interpolation) leaves out a kink in one of them.
+    It is the squared width times the change of the curvature towards the neighbour with the smaller change.
+    The choice between two neighbours (as in ENO interpolation) ignores a kink in one of them.
 
     Args:
-        side: map for one sign of omega1
-        m: number of the interval
-        count: number of slownesses so far
+        side: Map for one sign of omega1.
+        m: Number of the interval.
+        count: Number of slownesses so far.
     """
     width = side.slowness[m + 1] - side.slowness[m]
-    largest = 0.0
+    max_change = 0.0
     for n in range(len(RATIOS)):
         left = right = 1e300
         if m > 1:
             left = abs(curvature(side, n, m) - curvature(side, n, m - 1))
         if m < count - 3:
             right = abs(curvature(side, n, m + 1) - curvature(side, n, m + 2))
-        largest = max(largest, width * width * min(left, right))
-    return largest
+        max_change = max(max_change, width * width * min(left, right))
+    return max_change
 
 
 def insert_slowness(side: Side, m: int, count: int) -> None:
-    """Insert the middle of an interval of slownesses; its values in the columns are still to be written.
+    """Insert the middle of an interval of slownesses. Its values in the columns are not yet written.
 
     Args:
-        side: map for one sign of omega1
-        m: number of the interval
-        count: number of slownesses so far
+        side: Map for one sign of omega1.
+        m: Number of the interval.
+        count: Number of slownesses so far.
     """
     for i in range(count - m):
         side.slowness[count - i] = side.slowness[count - i - 1]
     side.slowness[m + 1] = 0.5 * (side.slowness[m] + side.slowness[m + 2])
     for n in range(len(RATIOS)):
         numbers = side.columns[n].numbers
-        for place in range(0, ENERGY, SLOWNESSES):
+        for position in range(0, ENERGY, SLOWNESSES):
             for i in range(count - m):
-                numbers[place + count - i] = numbers[place + count - i - 1]
+                numbers[position + count - i] = numbers[position + count - i - 1]
 
 
 def add_slow_orbits(d: Constants, w: Workspace, side: Side, m: int) -> bool:
-    """Write the orbits of all ratios for slowness m above 0. Returns True if there are orbits."""
-    omega1 = side.direction * side.slow * (1.0 - side.slowness[m]) / side.slowness[m]
+    """Write the orbits of all ratios for slowness m above 0, and return the result of add_orbits."""
+    omega1 = side.direction * side.v0 * (1.0 - side.slowness[m]) / side.slowness[m]
     return add_orbits(d, w, side, m, omega1)
 
 
 def add_friction(p: Parameters, d: Constants, w: Workspace, side: Side) -> bool:
-    """Fill the map at all slownesses above 0. Returns True if there are periodic orbits.
+    """Fill the map at all slownesses above 0, and return True if there are periodic orbits.
 
-    The orbits have constant input speed, because friction may stop a link 1 that is driven by torque.
+    The orbits have constant input speed, because friction may stop a torque-driven link 1.
 
     Args:
-        p: parameters
-        d: constants with a held output, driven by speed
-        w: workspace
-        side: map for one sign of omega1, complete at slowness 0, with its V0
+        p: Parameters.
+        d: Constants with a held output, driven by speed.
+        w: Workspace.
+        side: Map for one sign of omega1, complete at slowness 0, with its V0.
     """
     set_friction(p, d, 1.0)
     count = len(FIRST_SLOWNESSES)
     for m in range(count):
         side.slowness[m] = FIRST_SLOWNESSES[m]
     for n in range(len(RATIOS)):
-        for m in range(count - N_EVEN, count):
-            write_even(d, side, side.columns[n], m, grid_ratio(side, n))
-    complete = True
-    for m in range(1, count - N_EVEN):
-        complete = complete and add_slow_orbits(d, w, side, m)
-    while complete and count < SLOWNESSES:
-        worst, largest = 0, -1.0
-        for m in range(count - N_EVEN):
+        for m in range(count - N_FRICTION_ONLY, count):
+            write_friction_means(d, side, side.columns[n], m, grid_ratio(side, n))
+    has_orbits = True
+    for m in range(1, count - N_FRICTION_ONLY):
+        has_orbits = has_orbits and add_slow_orbits(d, w, side, m)
+    while has_orbits and count < SLOWNESSES:
+        worst, max_error = 0, -1.0
+        for m in range(count - N_FRICTION_ONLY):
             z = 0.5 * (side.slowness[m] + side.slowness[m + 1])
-            speed = side.slow * (1.0 - z) / z
+            speed = side.v0 * (1.0 - z) / z
             scale = max(side.columns[0].torque[0] * speed * speed, resistance(p, d, speed))
             error = interpolation_error(side, m, count) / (z * z * scale)
-            if error > largest:
-                worst, largest = m, error
+            if error > max_error:
+                worst, max_error = m, error
         insert_slowness(side, worst, count)
         count += 1
-        complete = add_slow_orbits(d, w, side, worst + 1)
+        has_orbits = add_slow_orbits(d, w, side, worst + 1)
     set_friction(p, d, 0.0)
-    return complete
+    return has_orbits
 
 
 def drive_by_torque(d: Constants, w: Workspace, side: Side) -> bool:
-    """Replace the orbits without friction by orbits at constant input torque, and shift all others likewise.
+    """Replace the orbits without friction by orbits at constant input torque, and shift all others.
 
     Args:
-        d: constants with a held output, without friction, driven by torque
-        w: workspace
-        side: map for one sign of omega1, complete at constant input speed
+        d: Constants with a held output, without friction, driven by torque.
+        w: Workspace.
+        side: Map for one sign of omega1, complete at constant input speed.
 
     Returns:
         True if there are periodic orbits.
@@ -625,60 +641,60 @@ def drive_by_torque(d: Constants, w: Workspace, side: Side) -> bool:
         copy(w.column.numbers, side.columns[n].numbers)
         if not add_orbit(d, w, side, n, 0, side.direction):
             return False
-        if side.slow > 0.0:
+        if side.v0 > 0.0:
             shift_orbits(side, side.columns[n], w.column)
     return True
 
 
-def extend(d: Constants, w: Workspace, side: Side) -> None:
-    """Let the last ratio of a mechanism with losses grow while the orbit there transmits a torque.
+def extend_last_ratio(d: Constants, w: Workspace, side: Side) -> None:
+    """Increase the last ratio of a mechanism with losses while its orbit transmits a torque.
 
     Args:
-        d: constants with a held output, without friction
-        w: workspace
-        side: map for one sign of omega1
+        d: Constants with a held output, without friction.
+        w: Workspace.
+        side: Map for one sign of omega1.
     """
     for _ in range(MAX_GROWTHS):
         w.orbit_torque = 0.0
-        time = find_orbit(d, w.part, w, side.direction, side.end, period_length(d))
-        if time < 0.0 or w.part.output_impulse <= NO_TORQUE_RATIO * d.F_by_speed * time:
+        time = find_orbit(d, w.orbit, w, side.direction, side.end, period_length(d))
+        if time < 0.0 or w.orbit.output_impulse <= NO_TORQUE_RATIO * d.F_by_speed * time:
             return
         side.end *= GROWTH
 
 
 def build_side(p: Parameters, d: Constants, w: Workspace, side: Side) -> bool:
-    """Fill the map for one sign of omega1. Returns True if there are periodic orbits.
+    """Fill the map for one sign of omega1, and return True if there are periodic orbits.
 
     Args:
-        p: parameters
-        d: constants with a held output
-        w: workspace
-        side: map, with its direction
+        p: Parameters.
+        d: Constants with a held output.
+        w: Workspace.
+        side: Map with its direction, written.
     """
     side.end, side.locks = last_ratio(d, side.direction)
-    side.slow = 0.0
+    side.v0 = 0.0
     w.orbit_start = release_angle(d, side.direction)
     set_friction(p, d, 0.0)
-    if d.lossy != 0.0 and side.direction < 0.0:
-        extend(d, w, side)
+    if d.averaged_losses != 0.0 and side.direction < 0.0:
+        extend_last_ratio(d, w, side)
     by_torque = d.by_torque
-    if d.lossy != 0.0:
+    if d.averaged_losses != 0.0:
         d.by_torque = 0.0
-    complete = add_orbits(d, w, side, 0, side.direction)
-    if complete and d.lossy != 0.0:
-        side.slow = balance_speed(p, d, side.columns[0].torque[0])
-        complete = side.slow == 0.0 or add_friction(p, d, w, side)
+    has_orbits = add_orbits(d, w, side, 0, side.direction)
+    if has_orbits and d.averaged_losses != 0.0:
+        side.v0 = balance_speed(p, d, side.columns[0].torque[0])
+        has_orbits = side.v0 == 0.0 or add_friction(p, d, w, side)
         d.by_torque = by_torque
-        if complete and by_torque != 0.0:
-            complete = drive_by_torque(d, w, side)
+        if has_orbits and by_torque != 0.0:
+            has_orbits = drive_by_torque(d, w, side)
     last = side.columns[len(RATIOS) - 1]
     if side.end < 1.0 or side.direction < 0.0:
         last.torque[0] = min(last.torque[0], 0.0)
-    return complete
+    return has_orbits
 
 
 def is_map_of(p: Parameters, d: Constants) -> bool:
-    """Return True if the map in d belongs to these parameters: to the first numbers of p."""
+    """Return True if the map in d belongs to these parameters. The first numbers of p are its key."""
     for n in range(len(d.map_key)):
         if d.map_key[n] != p.numbers[n]:
             return False
@@ -686,12 +702,12 @@ def is_map_of(p: Parameters, d: Constants) -> bool:
 
 
 def build_map(p: Parameters, d: Constants, w: Workspace) -> int:
-    """Fill d with the map of these parameters, unless it is there.
+    """Fill d with the map of these parameters, unless d already contains it.
 
     Args:
-        p: parameters
-        d: constants of these parameters
-        w: workspace
+        p: Parameters.
+        d: Constants of these parameters.
+        w: Workspace.
 
     Returns:
         Status: OK, or NO_CYCLIC_STEADY_STATE if there are no periodic orbits; d.map_ready is then -1.
@@ -704,9 +720,9 @@ def build_map(p: Parameters, d: Constants, w: Workspace) -> int:
     d.forward.direction, d.backward.direction = 1.0, -1.0
     w.tolerance = ORBIT_TOLERANCE
     hold_output(d)
-    complete = build_side(p, d, w, d.forward) and build_side(p, d, w, d.backward)
+    has_orbits = build_side(p, d, w, d.forward) and build_side(p, d, w, d.backward)
     derive_constants(p, d)
-    if not complete:
+    if not has_orbits:
         return NO_CYCLIC_STEADY_STATE
     for n in range(len(d.map_key)):
         d.map_key[n] = p.numbers[n]

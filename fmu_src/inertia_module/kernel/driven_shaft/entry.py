@@ -19,7 +19,7 @@ from .motion import cache_step, characteristic_rates, end_value, integral, squar
 # Records (see kernel.fields for their form).
 STATE = (
     *("twist", "slip", "omega4"),  # rad, rad/s, rad/s
-    *("hub_slope", "held_input"),  # rad/s^2, rad/s: hub acceleration and hub speed of the last step
+    *("hub_slope", "last_input_speed"),  # rad/s^2, rad/s: hub acceleration and hub speed of the last step
     *("length", "load_torque", "shaft_torque_mean"),  # s, N m, N m: of the last step
     "energy_start",  # J, stored energy at the start
     *("energy_in", "energy_out", "energy_lost"),  # J
@@ -117,7 +117,7 @@ def start_shaft(p: ShaftParameters, d: ShaftConstants, u: ShaftInputs, x: ShaftS
     x.twist = p.twist_start
     x.omega4 = p.omega_out_start
     x.slip = u.hub_speed - x.omega4
-    x.held_input = u.hub_speed
+    x.last_input_speed = u.hub_speed
     x.load_torque = u.load_torque
     x.energy_start = shaft_energy(p, x)
     write_shaft_outputs(p, x, y)
@@ -133,7 +133,7 @@ def begin_shaft_step(p: ShaftParameters, u: ShaftInputs, x: ShaftState, h: float
         x: State, written.
         h: Length of the step, s.
     """
-    jump = (u.hub_speed - x.held_input) - x.hub_slope * x.length
+    jump = (u.hub_speed - x.last_input_speed) - x.hub_slope * x.length
     push = p.balancer * jump
     work = p.driven_inertia * push * (x.omega4 + 0.5 * push)
     # The larger one of slip and omega4, whose sum is hub_speed, follows from the smaller one
@@ -144,9 +144,9 @@ def begin_shaft_step(p: ShaftParameters, u: ShaftInputs, x: ShaftState, h: float
         x.slip += jump - push
         x.omega4 = u.hub_speed - x.slip
     x.energy_lost -= work
-    x.hub_slope = update_held_speed(p.input_hold, x, u.hub_speed, u.hub_speed_rate_given, u.hub_speed_rate)
+    x.hub_slope = update_held_speed(p.input_hold, x, u.hub_speed, u.hub_speed_has_rate, u.hub_speed_rate)
     x.length = h
-    x.load_torque = mean_torque(u.load_torque, u.load_torque_rate_given, u.load_torque_rate, h)
+    x.load_torque = mean_torque(u.load_torque, u.load_torque_has_rate, u.load_torque_rate, h)
 
 
 def write_motions(p: ShaftParameters, d: ShaftConstants, x: ShaftState, w: ShaftWorkspace) -> None:
@@ -165,8 +165,8 @@ def write_motions(p: ShaftParameters, d: ShaftConstants, x: ShaftState, w: Shaft
     damping = p.shaft_damping / p.driven_inertia
     load = x.load_torque / p.driven_inertia
     # z3 of the twist without the spring, z2 of the speed without its own damping
-    pull = net_slope + friction * x.held_input + load
-    drive = p.balancer * slope + damping * x.held_input - load + d.frequency_squared * x.twist
+    pull = net_slope + friction * x.last_input_speed + load
+    drive = p.balancer * slope + damping * x.last_input_speed - load + d.frequency_squared * x.twist
     write_row(w.twist, 0, x.twist, x.slip + d.damping_rate * x.twist, pull, friction * slope)
     write_row(w.slip, 0, x.slip, pull - d.frequency_squared * x.twist, friction * slope, 0.0)
     write_row(w.slip_rate, 0, net_slope - own, friction * slope - d.frequency_squared * x.slip, 0.0, 0.0)
@@ -175,7 +175,7 @@ def write_motions(p: ShaftParameters, d: ShaftConstants, x: ShaftState, w: Shaft
         0,
         x.omega4,
         drive,
-        damping * slope + d.frequency_squared * x.held_input,
+        damping * slope + d.frequency_squared * x.last_input_speed,
         d.frequency_squared * slope,
     )
     write_row(
@@ -211,7 +211,7 @@ def move_shaft(p: ShaftParameters, d: ShaftConstants, x: ShaftState, w: ShaftWor
     x.twist = end_value(d, w.twist, w.slip)
     x.slip = end_value(d, w.slip, w.slip_rate)
     x.omega4 = end_value(d, w.speed, w.speed_rate)
-    work = (x.held_input + x.hub_slope * h) * momentum - x.hub_slope * moment
+    work = (x.last_input_speed + x.hub_slope * h) * momentum - x.hub_slope * moment
     x.energy_in += work
     x.energy_out += x.load_torque * angle
     x.energy_lost += lost
@@ -243,7 +243,7 @@ def advance_shaft(
     """
     status = check_step(u, h)
     if status == OK:
-        status = check_hold(p.input_hold, x, u.hub_speed, u.hub_speed_rate_given, h)
+        status = check_hold(p.input_hold, x, u.hub_speed, u.hub_speed_has_rate, h)
     if status != OK:
         return status
     copy(w.before.numbers, x.numbers)

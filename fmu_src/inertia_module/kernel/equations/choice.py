@@ -19,11 +19,13 @@ from .motion import copy_accelerations, evaluate, load_state
 HYSTERESIS = 1e-3  # Added for the mode that a torque event has ended
 CONTINUATION_BIAS = -1e-13  # Added for the present mode at the start of a step, larger than round-off
 VIOLATION_RTOL = 1e-14  # Below it the conditions are satisfied
-TIE_BREAK = 1e-12  # Of a relaxed spring, so that a freewheel that overruns with its drag comes first
+TIE_BREAK = (
+    1e-12  # Violation of a relaxed spring, so that a freewheel that overruns with its drag comes first
+)
 MIN_TORQUE_SCALE = 1e-300  # N m, prevents a division by zero
-LOOKAHEAD_PHASE = 1e-4  # rad
+LOOKAHEAD_PHASE = 1e-4  # rad of the highest harmonic, the length of the look-ahead
 MAX_PHASE_RATE = 1e300  # rad/s, beyond it there is no look-ahead
-N_FREEWHEEL_MODES = 9  # For each sign of the slip: 0, 1, -1
+N_FREEWHEEL_MODES = 9  # Combinations of freewheel states, for each sign of the slip (0, 1, -1)
 N_MODES = 3 * N_FREEWHEEL_MODES
 
 
@@ -95,7 +97,7 @@ def slip_violation(d: Constants, x: State, m: Machine, inertia: float, torques: 
         torques: Scale of the torques, N m.
     """
     if x.slip_sign == 0.0:
-        return max(-d.k * m.margin, 0.0) / torques
+        return max(-d.k * m.friction_reserve, 0.0) / torques
     if x.slip_sign * (m.omega1 - m.omega2) <= 0.0 and states.has_friction(d):
         return max(-x.slip_sign * inertia * (m.alpha1 - m.alpha2), 0.0) / torques
     return 0.0
@@ -119,7 +121,7 @@ def mode_violation(d: Constants, x: State, prescribed: float, load: float) -> fl
     torques = torque_magnitude(d, m, prescribed, 0.0) + inertia * abs(m.alpha2) + MIN_TORQUE_SCALE
     violation = slip_violation(d, x, m, inertia, torques)
     torques += d.housing_drag + d.output_drag
-    if d.housing != 0.0:
+    if d.housing_freewheel != 0.0:
         state, drag, wind_up = x.housing_state, d.housing_drag, m.wound_housing
         slip_torque = inertia * m.alpha2
         housing_violation = complementarity_violation(
@@ -127,7 +129,7 @@ def mode_violation(d: Constants, x: State, prescribed: float, load: float) -> fl
         )
         violation = max(violation, housing_violation / torques)
         violation += spring_violation(state, drag, wind_up, m.omega2)
-    if d.output != 0.0:
+    if d.output_freewheel != 0.0:
         torques += (abs(load) if d.elastic == 0.0 else 0.0) + inertia * abs(m.alpha3)
         state, drag, wind_up = x.output_state, d.output_drag, m.wound_output
         slip = m.omega3 - m.omega2
@@ -141,7 +143,7 @@ def mode_violation(d: Constants, x: State, prescribed: float, load: float) -> fl
 
 
 def enforce_equal_speeds(x: State) -> None:
-    """Make the speeds of parts that are locked together bitwise identical."""
+    """Set the speeds of parts that are locked together bitwise equal."""
     if x.slip_sign == 0.0:
         x.omega2 = x.omega1
     if x.output_state == states.LOCKED:
@@ -166,7 +168,9 @@ def set_mode(d: Constants, x: State, number: int) -> bool:
     """
     housing = float((number // 3 + 1) % 3)
     output = float(number % 3 if housing == states.OVERRUNNING else (number + 1) % 3)
-    if d.turning == 0.0 and (housing == states.ENGAGED_COMPLIANT or output == states.ENGAGED_COMPLIANT):
+    if d.freewheel_angles == 0.0 and (
+        housing == states.ENGAGED_COMPLIANT or output == states.ENGAGED_COMPLIANT
+    ):
         return False
     x.housing_state = state_in_backlash(housing, x.play_housing)
     x.output_state = state_in_backlash(output, x.play_output)
@@ -265,7 +269,7 @@ def select_mode(d: Constants, x: State, bias: float) -> None:
     enforce_equal_speeds(x)
     load_state(d, x)
     evaluate(d, x, prescribed_at_input(d, x), x.load_torque, False)
-    x.flow_sign, x.spin_signs = d.machine.flow_sign, d.machine.spin_signs
+    x.flow_sign, x.tau6_signs = d.machine.flow_sign, d.machine.tau6_signs
     copy_accelerations(x.now, d.machine)
     x.rates_cached = 0.0 if d.losses != 0.0 else 1.0
     x.mode = states.contact_mode(x)
@@ -296,11 +300,11 @@ def select_mode_after_event(d: Constants, x: State) -> bool:
 
     Args:
         d: Constants; ``d.machine`` is written.
-        x: State; ``slip_reached_zero`` and ``ended`` describe the event.
+        x: State; ``slip_reached_zero`` and ``mode_ended`` describe the event.
     """
     housing, output, slip = x.housing_state, x.output_state, x.slip_sign
     if x.slip_reached_zero != 0.0:
         x.slip_sign = 0.0
         enforce_equal_speeds(x)
-    switch_mode(d, x, HYSTERESIS if x.ended != 0.0 else 0.0)
+    switch_mode(d, x, HYSTERESIS if x.mode_ended != 0.0 else 0.0)
     return x.housing_state != housing or x.output_state != output or x.slip_sign != slip

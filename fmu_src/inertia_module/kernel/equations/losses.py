@@ -7,7 +7,7 @@ import math
 
 from ..accumulate import TWO_PI
 from ..links import friction_power
-from ..records import Constants, Followed, Machine, Position, State
+from ..records import Constants, Integrated, Machine, Position, State
 from ..sine import sine_cosine
 from .satellites import gravity_potential
 from .states import ENGAGED_COMPLIANT, OVERRUNNING
@@ -46,18 +46,18 @@ def applied_torques(
     Args:
         d: Constants.
         x: State; the sign of the slip is read.
-        m: Motion; ``weight1``, ``weight_q`` and ``lost[WINDAGE]`` are written.
+        m: Motion; ``applied1``, ``applied_q`` and ``lost[WINDAGE]`` are written.
         position: Of imbalance 0 (layout.imbalance_position), m and m/rad^n; read with gravity.
     """
-    m.weight1 = m.weight_q = 0.0
+    m.applied1 = m.applied_q = 0.0
     if d.weight != 0.0:
-        _, m.weight1, m.weight_q = gravity_potential(d, position, m.theta1)
+        _, m.applied1, m.applied_q = gravity_potential(d, position, m.theta1)
     m.lost[WINDAGE] = 0.0
     if d.windage != 0.0:
         slip = m.omega1 - m.omega2 if x.slip_sign != 0.0 else 0.0
         by_theta1, by_q, m.lost[WINDAGE] = windage_torques(d, m.q, m.omega1, d.k * slip)
-        m.weight1 += by_theta1
-        m.weight_q += by_q
+        m.applied1 += by_theta1
+        m.applied_q += by_q
 
 
 def windage_torques(d: Constants, q: float, omega1: float, rate_q: float) -> tuple[float, float, float]:
@@ -113,14 +113,14 @@ def freewheel_power(d: Constants, x: State, m: Machine) -> float:
     return power
 
 
-def write_loss_powers(d: Constants, x: State, m: Machine, rates: Followed) -> None:
+def write_loss_powers(d: Constants, x: State, m: Machine, rates: Integrated) -> None:
     """Write the power of each cause of loss into ``rates.lost``, W.
 
     Args:
         d: Constants.
         x: State; contact mode and signs are read.
         m: Motion after evaluate.
-        rates: Record that is written (fields.FOLLOWED).
+        rates: Record that is written (fields.INTEGRATED).
     """
     if d.elastic != 0.0:
         omega4 = m.omega3 - m.relative
@@ -133,7 +133,7 @@ def write_loss_powers(d: Constants, x: State, m: Machine, rates: Followed) -> No
         slip = m.omega1 - m.omega2 if x.slip_sign != 0.0 else 0.0
         # |q'| up to the event, and smooth beyond it
         rate = x.slip_sign * d.k * slip
-        rates.lost[MESH] = d.mesh_loss * x.flow_sign * m.mesh * slip + m.spun * rate
+        rates.lost[MESH] = d.mesh_loss * x.flow_sign * m.mesh * slip + m.mesh_friction * rate
         rates.lost[JOURNAL] = m.journals * rate
         rates.lost[FREEWHEEL] = freewheel_power(d, x, m)
         rates.lost[WINDAGE] = m.lost[WINDAGE]

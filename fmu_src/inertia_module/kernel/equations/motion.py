@@ -31,7 +31,7 @@ def load_state(d: Constants, x: State) -> None:
     """Copy the present motion into ``d.machine``. Both records begin with the fields of fields.MOTION."""
     for n in range(OF_MOTION):
         d.machine.numbers[n] = x.numbers[n]
-    if d.plays != 0.0:
+    if d.backlash != 0.0:
         d.machine.play_housing, d.machine.play_output = x.play_housing, x.play_output
 
 
@@ -64,7 +64,7 @@ def freewheel_torques(d: Constants, x: State, m: Machine, lossy: int) -> None:
         return
     if x.housing_state == ENGAGED_COMPLIANT:
         m.housing = d.housing_stiffness * m.wound_housing - d.housing_damping * m.omega2
-    elif x.housing_state == OVERRUNNING and d.housing != 0.0:
+    elif x.housing_state == OVERRUNNING and d.housing_freewheel != 0.0:
         m.housing = -d.housing_drag - d.housing_drag_viscous * m.omega2
     if x.output_state == ENGAGED_COMPLIANT:
         m.output = d.freewheel_stiffness * m.wound_output + d.freewheel_damping * (m.omega2 - m.omega3)
@@ -160,10 +160,10 @@ def solve_mesh_signs(
 ) -> None:
     """Solve for the accelerations of links that slip, with load-dependent losses.
 
-    The losses depend on the signs of the mesh torques: tau, and tau6 of each satellite. The system is linear
-    for each pattern of signs. With ``keep_signs`` the pattern is the one in ``x``, because inside an
-    integration step a change of sign is an event. Otherwise each iteration takes the signs of the last
-    solution. This is Newton's method for a piecewise linear system.
+    The losses depend on the signs of the mesh torques: tau (mesh 2-16), and tau6 of each satellite (meshes
+    17-6). The system is linear for each pattern of signs. With ``keep_signs`` the signs in ``x`` are used,
+    because inside an integration step a change of sign is an event. Otherwise each iteration takes the signs
+    of the last solution. This is Newton's method for a piecewise linear system.
 
     Args:
         d: Constants.
@@ -187,7 +187,7 @@ def solve_mesh_signs(
     alpha2 = m.alpha2 if x.output_state == RATIO_PRESCRIBED else 0.0
     rate2_q = k * (alpha1 - alpha2)
     flow = x.flow_sign if keep_signs else abs(sigma)
-    signs = x.spin_signs if keep_signs else RESOLVE_SIGNS
+    signs = x.tau6_signs if keep_signs else RESOLVE_SIGNS
     # The torque of a single satellite whose sign is fixed is the sum over all satellites
     has_sum = d.satellite_loss != 0.0 and (signs == RESOLVE_SIGNS or d.satellites > 1.0)
     bearings = mesh = by_alpha1 = by_rate2 = 0.0
@@ -204,11 +204,11 @@ def solve_mesh_signs(
             d, x, m, prescribed, inertia1, inertia2, b, b_s, g_s, f_k, r1, r_s, r2
         )
         m.mesh = f_k * tau
-        m.torque = tau * sigma
+        m.flow_torque = tau * sigma
         rate2_q = k * (alpha1 - alpha2)
-        m.spun = mesh + by_alpha1 * alpha1 + by_rate2 * rate2_q
-        m.spun_by[0] = m.spun
-        is_solved = keep_signs or flow * m.torque >= 0.0
+        m.mesh_friction = mesh + by_alpha1 * alpha1 + by_rate2 * rate2_q
+        m.mesh_friction_by[0] = m.mesh_friction
+        is_solved = keep_signs or flow * m.flow_torque >= 0.0
         if not is_solved:
             flow = -flow
         if has_sum:
@@ -224,7 +224,6 @@ def solve_mesh_signs(
     m.alpha2 = alpha2
     m.flow_sign = flow
     m.journals = bearings
-    m.margin = sigma * (m.omega1 - m.omega2)
 
 
 def solve_slipping(
@@ -259,14 +258,14 @@ def solve_slipping(
     r1 = d.b1 * m.omega1 + (i1 * m.omega1 + b1 * rate_q) * rate_q
     r = 0.5 * (g1 * rate_q * rate_q - i1 * m.omega1 * m.omega1) + d.bq * rate_q
     if lossy:
-        r1 += m.weight1
-        r += m.weight_q
+        r1 += m.applied1
+        r += m.applied_q
         solve_mesh_signs(d, x, m, prescribed, position, inertia1, inertia2, b, g, r1, r, r2, keep_signs)
     else:
-        m.alpha1, m.alpha2, m.torque = solve_links(
+        m.alpha1, m.alpha2, m.flow_torque = solve_links(
             d, x, m, prescribed, inertia1, inertia2, b, b, g, d.k, r1, r, r2
         )
-        m.mesh = d.k * m.torque
+        m.mesh = d.k * m.flow_torque
     m.drive = inertia1 * m.alpha1 + d.k * b * (m.alpha1 - m.alpha2) + r1 + m.mesh
 
 
@@ -286,7 +285,7 @@ def solve_sticking(
 
         |M2 / k - (B alpha - I' omega1^2 / 2 + V_q)| <= C + S + (1 - eta) |M2| / k
 
-    ``m.margin`` is the right side minus the left side, N m.
+    ``m.friction_reserve`` is the right side minus the left side, N m.
 
     Args:
         d: Constants.
@@ -300,40 +299,42 @@ def solve_sticking(
     """
     i, i1, b, _, _, _ = inertia
     omega1 = m.omega1
-    r1 = d.b1 * omega1 + m.weight1
+    r1 = d.b1 * omega1 + m.applied1
     is_held = x.housing_state == LOCKED
     alpha = prescribed
     if is_held:
         alpha = 0.0
     elif d.by_torque != 0.0:
         alpha = (prescribed - r1 - r2) / (d.J1 + i + inertia2)
-    ideal_tau = b * alpha - 0.5 * i1 * omega1 * omega1 + m.weight_q
+    ideal_tau = b * alpha - 0.5 * i1 * omega1 * omega1 + m.applied_q
     bearings, mesh, by_alpha1, _ = satellite_friction(
         d, m.q, position, omega1, 0.0, alpha, 0.0, RESOLVE_SIGNS
     )
     m.mesh = inertia2 * alpha + r2
     if is_held:
-        # At rest the drive torque determines the mesh torque; with the speed prescribed it is not unique,
-        # and the value that needs least friction is taken
+        # At rest a prescribed input torque determines the mesh torque. With a prescribed speed it is not
+        # unique; the value that needs the least friction is selected
         m.mesh = min(d.k * ideal_tau, r2 + d.housing_drag)
         if m.play_housing > 0.0:
             m.mesh = max(m.mesh, r2)
         if d.by_torque != 0.0:
             m.mesh = prescribed - r1
     m.journals = bearings
-    m.spun = mesh + by_alpha1 * alpha
+    m.mesh_friction = mesh + by_alpha1 * alpha
     m.flow_sign = 1.0
     m.alpha1 = alpha
     m.alpha2 = alpha
     m.drive = (d.J1 + i) * alpha + r1 + m.mesh
     friction_tau = m.mesh / d.k - ideal_tau
-    m.margin = bearings + m.spun + d.mesh_loss * abs(m.mesh) / d.k - abs(friction_tau)
+    m.friction_reserve = bearings + m.mesh_friction + d.mesh_loss * abs(m.mesh) / d.k - abs(friction_tau)
     if is_held and d.by_torque == 0.0 and prescribed != 0.0:
-        m.margin = -(d.J2 + d.F_by_alpha1) * abs(prescribed)  # Link 1 accelerates whatever the friction
+        m.friction_reserve = -(d.J2 + d.F_by_alpha1) * abs(
+            prescribed
+        )  # Link 1 accelerates whatever the friction
 
 
 def evaluate(d: Constants, x: State, prescribed: float, load: float, keep_signs: bool) -> None:
-    """Evaluate the equations of motion at the motion in ``d.machine`` and write the results there.
+    """Evaluate the equations of motion at the motion in ``d.machine`` and write the results into it.
 
     Results are accelerations, torques, powers of windage, and the quantities of the event indicators.
 
@@ -369,7 +370,7 @@ def equations_of_motion(
     needs_position = lossy and d.journal_friction + d.satellite_loss + d.weight > 0.0
     if needs_position:
         position = imbalance_position(d, m.q, 0.0)
-    if needs_position and d.satellites == 1.0 and d.planar + d.bodies == 0.0:
+    if needs_position and d.satellites == 1.0 and d.planar + d.gear_inertia == 0.0:
         inertia = single_satellite_inertia(d, position)
     else:
         inertia = reduced_inertia(d, m.q)

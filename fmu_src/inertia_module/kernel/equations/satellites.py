@@ -13,16 +13,16 @@ from ..records import Constants, Position, ReducedInertia
 from ..sine import sine_cosine
 
 # Angles checked for self-locking per cycle of the highest harmonic of q.
-# The same number limits the revolutions of the pinion shaft that add angles.
+# At most this number of revolutions of the pinion shaft is checked, too.
 ANGLES_PER_CYCLE = 64
-RESOLVE_SIGNS = -1.0  # Instead of the bits of the signs (1: negative): take the signs from the torques
+RESOLVE_SIGNS = -1.0  # In the argument ``signs``: take the signs from the torques
 DOMINANT_ACCELERATION = 1e150  # rad/s^2, makes all other terms of tau6 negligible
 
 
 def single_satellite_inertia(d: Constants, position: Position) -> ReducedInertia:
     """Return the reduced inertia of a single bevel satellite without gear inertia from its position.
 
-    This is the part of inertia.reduced_inertia that motion.equations_of_motion needs.
+    It is equal to inertia.reduced_inertia in this case, without a second evaluation of the geometry.
 
     Args:
         d: Constants.
@@ -59,7 +59,7 @@ def satellite_friction(
         S = (1 - eta6) s sum |tau6|               meshes 17-6; tau6 = m a . dr/dB
 
     S is linear in the accelerations for fixed signs of tau6. The signs are written to
-    ``d.machine.spin_signs``, and the term of each satellite, N m, to ``d.machine.spun_by``.
+    ``d.machine.tau6_signs``, and the term of each satellite, N m, to ``d.machine.mesh_friction_by``.
 
     Args:
         d: Constants; ``d.machine`` is written.
@@ -104,11 +104,11 @@ def satellite_friction(
         sign = -1.0 if is_negative else 1.0
         sign_bits += bit if is_negative else 0.0
         bit *= 2.0
-        d.machine.spun_by[n] = loss_mass * sign * torque
+        d.machine.mesh_friction_by[n] = loss_mass * sign * torque
         mesh += sign * own
         by_alpha1 += sign * own_by_alpha1
         by_rate2 += sign * own_by_rate2
-    d.machine.spin_signs = sign_bits
+    d.machine.tau6_signs = sign_bits
     return (
         d.journal_friction * d.s * mass * bearings,
         loss_mass * mesh,
@@ -165,8 +165,8 @@ def gravity_potential(
 def is_self_locking(d: Constants) -> bool:
     """Return True if the equations of motion have no unique solution at some angle and for some mesh signs.
 
-    If the speed is prescribed, only the loss of the meshes 17-6 can cause it. It then depends only on the
-    angle B of the satellite.
+    If the speed is prescribed, only the loss of the meshes 17-6 can cause self-locking. It then depends only
+    on the angle B of the satellite. One revolution of B contains two cycles of the highest harmonic.
     """
     if d.satellite_loss == 0.0 and (d.by_torque == 0.0 or d.mesh_loss == 0.0):
         return False
@@ -215,7 +215,7 @@ def is_self_locking_at(d: Constants, i: float, b: float, b_s: float, g_s: float,
         f_k: Torque on link 2 over tau.
     """
     k = d.k
-    inertia2 = d.J2 + (0.0 if d.output != 0.0 else d.J3)
+    inertia2 = d.J2 + (0.0 if d.output_freewheel != 0.0 else d.J3)
     if not inertia2 + f_k * k * g_s > 0.0:
         return True
     if d.by_torque == 0.0:

@@ -56,7 +56,7 @@ def has_friction(d: Constants) -> bool:
 
 def is_housing_admissible(d: Constants, x: State) -> bool:
     """Return True if the speeds admit the state of the housing freewheel."""
-    if d.housing == 0.0:
+    if d.housing_freewheel == 0.0:
         return x.housing_state == OVERRUNNING
     if x.play_housing > 0.0:
         return is_admissible_in_backlash(x.omega2, d.housing_drag, x.housing_state)
@@ -68,7 +68,7 @@ def is_output_admissible(d: Constants, x: State) -> bool:
 
     Without an output freewheel link 2 is locked to the output.
     """
-    if d.output == 0.0:
+    if d.output_freewheel == 0.0:
         return x.output_state == LOCKED
     if x.play_output > 0.0:
         return is_admissible_in_backlash(x.omega3 - x.omega2, d.output_drag, x.output_state)

@@ -11,12 +11,12 @@ from ..equations.losses import FREEWHEEL, MESH, SHAFT, VISCOUS
 from ..equations.motion import copy_accelerations, load_state
 from ..equations.satellites import gravity_potential, toggle_bit
 from ..equations.states import ENGAGED_COMPLIANT, IN_BACKLASH, LOCKED, OVERRUNNING, is_open
-from ..fields import CAUSES
+from ..fields import N_CAUSES
 from ..impulse import apply_plastic_impact, has_rigid_housing_contact
 from ..layout import imbalance_position
 from ..links import energy_of_links, momentum_of_links
 from ..loads import include_last_step, store_beginning
-from ..records import Constants, Followed, State, Workspace
+from ..records import Constants, Integrated, State, Workspace
 from ..tableau import (
     NODES,
     STAGES_BY_TIME,
@@ -31,29 +31,29 @@ from .stages import cut_step, reuse_end, solve_motion, store_rates
 from .step_size import longest_step, make_accepted_step
 
 FIRST_PHASE = 1.0  # rad of the highest harmonic, of the first step in a new contact mode
-MAX_REPEATS = 20  # Of a step that makes energy, each half as long
-NO_PLAY = 1e-300  # rad, minimum rest of an engagement angle that is not used up
+MAX_REPEATS = 20  # Attempts at a step that makes energy, each half as long as the last
+MIN_PLAY = 1e-300  # rad, minimum remaining engagement angle before the event at its end
 
 
 def remaining_play(state: float, play: float, turned: float, engagement_angle: float) -> float:
-    """Return the rest of the engagement angle of a freewheel after a step, rad.
+    """Return the remaining engagement angle of a freewheel after a step, rad.
 
-    It is at most the whole angle. Until the event at its end, a freewheel inside it keeps at least NO_PLAY. A
-    locked freewheel keeps its rest, because it turns only by round-off.
+    It is between MIN_PLAY and the whole angle until the event at its end. In a locked freewheel it does not
+    change, because a locked freewheel turns only by round-off.
 
     Args:
         state: State of the freewheel.
-        play: Rest before the step, rad.
+        play: Remaining engagement angle before the step, rad.
         turned: Angle that the freewheel has turned back in the step, rad.
-        engagement_angle: rad.
+        engagement_angle: Whole angle, rad.
     """
     if not is_open(state):
         return play
-    return max(NO_PLAY if state == IN_BACKLASH else 0.0, min(play - turned, engagement_angle))
+    return max(MIN_PLAY if state == IN_BACKLASH else 0.0, min(play - turned, engagement_angle))
 
 
-def update_freewheel_angles(d: Constants, x: State, change: Followed) -> None:
-    """Update wind-up and rest of the engagement angle by the angles that the freewheels have turned back."""
+def update_freewheel_angles(d: Constants, x: State, change: Integrated) -> None:
+    """Update wind-up and remaining engagement angle by the angles that the freewheels have turned back."""
     housing, output = x.housing_state, x.output_state
     if housing == ENGAGED_COMPLIANT:
         x.wound_housing += change.wound_housing
@@ -63,7 +63,7 @@ def update_freewheel_angles(d: Constants, x: State, change: Followed) -> None:
     x.play_output = remaining_play(output, x.play_output, change.wound_output, d.output_engagement_angle)
 
 
-def commit(d: Constants, x: State, w: Workspace) -> None:
+def add_changes(d: Constants, x: State, w: Workspace) -> None:
     """Add the changes over the present step to the state and to its sums."""
     change = w.change
     if d.averaged == 0.0:
@@ -88,7 +88,7 @@ def commit(d: Constants, x: State, w: Workspace) -> None:
         add_loss(x, VISCOUS, change.lost[VISCOUS])
     if d.losses != 0.0:
         update_freewheel_angles(d, x, change)
-        for cause in range(MESH, CAUSES):
+        for cause in range(MESH, N_CAUSES):
             add_loss(x, cause, change.lost[cause])
     x.input_impulse += change.drive
     x.housing_impulse += change.housing
@@ -118,7 +118,7 @@ def include_in_peaks(
 
 
 def include_step(x: State, w: Workspace, sigma: float) -> None:
-    """Include the stages of the present step in the peaks, and extrema of parabolas through three in a row.
+    """Include the present step in the peaks: its stages, and the extrema of parabolas through three of them.
 
     Args:
         x: State; the peaks are updated.
@@ -126,7 +126,7 @@ def include_step(x: State, w: Workspace, sigma: float) -> None:
         sigma: Fraction of the step that counts.
     """
     pair = int(w.pair)
-    slip2, slip3 = w.watched[guards.HOUSING].value, w.watched[guards.OUTPUT].value
+    slip2, slip3 = w.indicators[guards.HOUSING].value, w.indicators[guards.OUTPUT].value
     for n in range(last_stage(pair) + 1):
         if NODES[pair + n] <= sigma:
             include_in_peaks(x, w.rates[n].output, w.rates[n].housing, slip2[n], slip3[n])
@@ -146,7 +146,7 @@ def include_step(x: State, w: Workspace, sigma: float) -> None:
 
 
 def count_loaded(d: Constants, x: State, w: Workspace) -> None:
-    """Count freewheels that only their drag has held and that transmit torque at the end of the step."""
+    """Count the engagement of a freewheel that only its drag has locked, and that now transmits torque."""
     begin, end = w.rates[0], w.rates[last_stage(int(w.pair))]
     if d.housing_drag > 0.0 and x.housing_state == LOCKED and d.housing_engagement_angle == 0.0:
         x.housing_engagements += 1.0 if begin.housing <= 0.0 < end.housing else 0.0
@@ -174,9 +174,9 @@ def set_to_limit(d: Constants, x: State, which: int) -> None:
 
 def remove_negative_slips(d: Constants, x: State) -> None:
     """Set overrunning speeds that are negative by round-off exactly to their limits."""
-    if d.housing != 0.0 and x.housing_state == OVERRUNNING and x.omega2 < 0.0:
+    if d.housing_freewheel != 0.0 and x.housing_state == OVERRUNNING and x.omega2 < 0.0:
         set_to_limit(d, x, guards.HOUSING)
-    if d.output != 0.0 and x.output_state == OVERRUNNING and x.omega3 < x.omega2:
+    if d.output_freewheel != 0.0 and x.output_state == OVERRUNNING and x.omega3 < x.omega2:
         set_to_limit(d, x, guards.OUTPUT)
 
 
@@ -191,7 +191,7 @@ def release_spring(d: Constants, x: State, which: int) -> None:
 
 
 def begin_step(d: Constants, x: State, w: Workspace) -> None:
-    """Write accelerations, torques and rates at the beginning of a step, or reuse those of the last step."""
+    """Write accelerations, torques and rates at the beginning of a step, or reuse the last results."""
     m = d.machine
     enforce_equal_speeds(x)
     load_state(d, x)
@@ -212,8 +212,10 @@ def begin_step(d: Constants, x: State, w: Workspace) -> None:
     store_beginning(d, x, m.omega1, m.alpha1, d.k * (m.omega1 - m.omega2), d.k * (m.alpha1 - m.alpha2))
 
 
-def end_step(d: Constants, x: State, w: Workspace, sigma: float, has_event: bool) -> None:
-    """Write the changes over the present step, or over its part up to an event, and its end to d.machine.
+def finish_changes(d: Constants, x: State, w: Workspace, sigma: float, has_event: bool) -> None:
+    """Complete the changes over the present step, or over its part up to an event.
+
+    The motion at the end is written to ``d.machine``.
 
     Args:
         d: Constants; ``d.machine`` is written.
@@ -237,11 +239,11 @@ def accept_step(d: Constants, x: State, w: Workspace, sigma: float, has_event: b
         d: Constants; ``d.machine`` holds the end of the step.
         x: State, advanced.
         w: Workspace with the step and its changes.
-        sigma: Fraction of the step before it was cut.
+        sigma: Fraction of the step before the cut.
         has_event: True if an event ends it.
     """
     x.rates_cached = 0.0 if has_event else 1.0
-    commit(d, x, w)
+    add_changes(d, x, w)
     include_step(x, w, sigma)
     if has_event:
         m = d.machine
@@ -268,21 +270,21 @@ def engage(d: Constants, x: State, which: int) -> None:
 
 
 def handle_event(d: Constants, x: State, which: int) -> None:
-    """Apply the immediate changes of an event: signs, impact, speeds that are 0 from now on.
+    """Apply the immediate changes of an event: mesh sign, impact, or a speed that reaches its limit.
 
     Args:
         d: Constants.
-        x: State; ``ended`` and ``slip_reached_zero`` describe the event for select_mode_after_event.
+        x: State; ``mode_ended`` and ``slip_reached_zero`` describe the event for select_mode_after_event.
         which: Number of the event indicator, or NO_EVENT.
     """
-    x.ended = 0.0
+    x.mode_ended = 0.0
     x.slip_reached_zero = 0.0
     if which == guards.FLOW:
         x.flow_sign = -x.flow_sign
     elif which > guards.FLOW:
-        x.spin_signs = toggle_bit(x.spin_signs, which - guards.SPIN)
+        x.tau6_signs = toggle_bit(x.tau6_signs, which - guards.TAU6)
     elif which != NO_EVENT:
-        # The error of the first step in a new contact mode may be estimated far too low
+        # The error estimate of the first step in a new contact mode may be far too low
         slip = d.harmonic * d.k * abs(x.omega1 - x.omega2)
         if x.step_size * slip > FIRST_PHASE:
             x.step_size = FIRST_PHASE / slip
@@ -293,7 +295,7 @@ def handle_event(d: Constants, x: State, which: int) -> None:
             else:
                 set_to_limit(d, x, which)
         else:
-            x.ended = 1.0
+            x.mode_ended = 1.0
             release_spring(d, x, which)
 
 
@@ -320,9 +322,9 @@ def advance_to_event(d: Constants, x: State, w: Workspace, remaining: float) -> 
         copy_accelerations(x.now, d.machine)
         sigma, which = first_event(d, x, w)
         limit = 0.5 * w.step
-        end_step(d, x, w, sigma, which != NO_EVENT)
+        finish_changes(d, x, w, sigma, which != NO_EVENT)
         if energy_made(d, x, w) <= 1.0:
             break
     accept_step(d, x, w, sigma, which != NO_EVENT)
     handle_event(d, x, which)
-    return w.step, NO_EVENT != which < guards.FLOW
+    return w.step, which != NO_EVENT and which < guards.FLOW

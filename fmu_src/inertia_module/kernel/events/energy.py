@@ -3,13 +3,13 @@
 from ..equations.losses import MESH, SHAFT, VISCOUS
 from ..equations.satellites import gravity_potential
 from ..equations.states import ENGAGED_COMPLIANT, LOCKED
-from ..fields import CAUSES
+from ..fields import N_CAUSES
 from ..layout import imbalance_position
 from ..links import energy_of_links, momentum_of_links
-from ..records import Constants, Followed, State, Workspace
+from ..records import Constants, Integrated, State, Workspace
 
-MAX_ENERGY_MADE = 4.0  # Tolerances of the energies that change in a step
-ENERGY_ROUNDING = 1e-13  # Round-off of energies, relative
+MAX_ENERGY_MADE = 4.0  # Over the tolerance times the energies that change in a step
+ENERGY_ROUNDING = 1e-13  # Relative round-off of energies
 
 
 def balance(d: Constants, x: State, w: Workspace) -> None:
@@ -42,12 +42,12 @@ def balance(d: Constants, x: State, w: Workspace) -> None:
         change.work_in = x.omega1 * change.drive
 
 
-def work_of_balancer(d: Constants, x: State, change: Followed) -> float:
+def work_of_balancer(d: Constants, x: State, change: Integrated) -> float:
     """Return the work of the balancer at the speed of the hub in the present step, J."""
     return d.balancer * d.J4 * (x.omega3 + 0.5 * change.omega3) * change.omega3
 
 
-def energy_lost(d: Constants, x: State, change: Followed) -> float:
+def energy_lost(d: Constants, x: State, change: Integrated) -> float:
     """Return the energy lost in the present step by all causes, J."""
     lost = 0.0
     if d.viscous != 0.0:
@@ -57,17 +57,23 @@ def energy_lost(d: Constants, x: State, change: Followed) -> float:
     if d.elastic + d.rigid_shaft != 0.0:
         lost -= work_of_balancer(d, x, change)
     if d.losses != 0.0:
-        for cause in range(MESH, CAUSES):
+        for cause in range(MESH, N_CAUSES):
             lost += change.lost[cause]
     return lost
 
 
 def energy_made(d: Constants, x: State, w: Workspace) -> float:
-    """Return the energy that the present step makes, over the allowed energy.
+    """Return the energy error of the present step over the allowed one.
 
-    The error estimate of a step far too long can be zero by chance. The energy balance does not depend on it.
-    Only moving parts count: neither link 1 at prescribed speed nor an output that overruns. It is 0 in maps
-    of fidelity averaged, whose output is a mass that nothing moves.
+    The error estimate of a step that is far too long can be zero by chance. The energy balance does not
+    depend on it. The scale contains only energies that change: neither link 1 at a prescribed speed nor an
+    output that overruns. In maps of fidelity averaged the inertia of the output has no physical meaning, and
+    the result is 0.
+
+    Args:
+        d: Constants; ``d.machine`` holds the end of the step.
+        x: State at the beginning of the step.
+        w: Workspace with the energies at the beginning and the changes over the step.
     """
     if d.averaged != 0.0:
         return 0.0

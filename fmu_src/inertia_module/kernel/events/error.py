@@ -11,7 +11,7 @@ from ..accumulate import clear
 from ..equations.losses import JOURNAL, MESH
 from ..equations.states import ENGAGED_COMPLIANT, LOCKED, has_engaged_spring
 from ..links import response, shaft_frequency
-from ..records import Constants, Followed, State, Workspace
+from ..records import Constants, Integrated, State, Workspace
 from ..tableau import (
     DOP853_E3_ROW,
     DOP853_E5_ROW,
@@ -26,13 +26,13 @@ from .stages import weighted_rate
 OVERFLOW = 1e300
 
 
-def fastest_link(x: State, change: Followed) -> float:
+def fastest_link(x: State, change: Integrated) -> float:
     """Return the largest speed of links 1 and 2 at the ends of the step, rad/s."""
     speed1 = max(abs(x.omega1), abs(x.omega1 + change.omega1))
     return max(speed1, abs(x.omega2), abs(x.omega2 + change.omega2))
 
 
-def fastest_output(d: Constants, x: State, change: Followed) -> float:
+def fastest_output(d: Constants, x: State, change: Integrated) -> float:
     """Return the largest speed of the output in the step, or the speed that its twist can drive, rad/s."""
     speed = max(abs(x.omega3), abs(x.omega3 + change.omega3))
     if d.elastic != 0.0:
@@ -43,16 +43,16 @@ def fastest_output(d: Constants, x: State, change: Followed) -> float:
 
 
 def damped_scale(d: Constants, x: State, links: float, scale: float) -> float:
-    """Return the scale of the speed of link 2 where dampers of freewheels act on it, rad/s.
+    """Return the scale of the speed of link 2 while dampers of freewheels act on it, rad/s.
 
-    An error of the speed is an error of the damping torque, which may be at most the tolerance times the
-    torque of the pulses. Otherwise the error opens a freewheel.
+    An error of the speed causes an error of the damping torque. It is limited to the tolerance times the
+    torque of the pulses, because a larger one would open a freewheel.
 
     Args:
-        d: constants
-        x: state at the beginning of the step
-        links: largest speed of links 1 and 2, rad/s
-        scale: scale without dampers, rad/s
+        d: Constants.
+        x: State at the beginning of the step.
+        links: Largest speed of links 1 and 2, rad/s.
+        scale: Scale without dampers, rad/s.
     """
     damping = d.housing_damping if x.housing_state == ENGAGED_COMPLIANT else 0.0
     if x.output_state == ENGAGED_COMPLIANT:
@@ -64,9 +64,9 @@ def damped_scale(d: Constants, x: State, links: float, scale: float) -> float:
 def write_scales(d: Constants, x: State, w: Workspace) -> None:
     """Write the scale of each integrated quantity into w.scale, 0 for a quantity whose error does not count.
 
-    A heavy link hardly changes its speed, but these small changes are its torque. The scale of a speed is the
-    part of it that the imbalances can impart to the inertia that moves with it (links.response). It is the
-    change in the step if load or shaft move it more.
+    A heavy link hardly changes its speed, but these small changes are its torque. The scale of a speed is
+    therefore the fraction that the imbalances can impart to the inertia of the link (links.response). If load
+    or shaft cause a larger change in the step, the scale is this change.
     """
     scale, change = w.scale, w.change
     clear(scale.numbers)
@@ -82,22 +82,22 @@ def write_scales(d: Constants, x: State, w: Workspace) -> None:
     if has_engaged_spring(x):
         scale.omega2 = damped_scale(d, x, links, scale.omega2)
     scale.omega2 = max(scale.omega2, abs(change.omega2))
-    behind = max(response(d, d.J2 + d.J3) * output, abs(change.omega3))
+    output_scale = max(response(d, d.J2 + d.J3) * output, abs(change.omega3))
     if d.elastic != 0.0:
-        behind = max(behind, abs(change.relative))
-        scale.relative = behind
-        scale.twist = max(behind / shaft_frequency(d, 1.0 / d.J3), abs(change.twist))
+        output_scale = max(output_scale, abs(change.relative))
+        scale.relative = output_scale
+        scale.twist = max(output_scale / shaft_frequency(d, 1.0 / d.J3), abs(change.twist))
     if x.output_state != LOCKED:
-        scale.omega3 = behind
+        scale.omega3 = output_scale
     if d.losses != 0.0:
         stiffness = max(d.housing_stiffness, d.freewheel_stiffness)
         angle = links * math.sqrt(d.J2 / stiffness) if stiffness > 0.0 else 1.0
         scale.wound_housing = scale.wound_output = angle
-    quadratures = d.losses != 0.0 or w.prescribed != 0.0
+    has_quadratures = d.losses != 0.0 or w.prescribed != 0.0
     if d.by_torque == 0.0 or d.losses != 0.0:
         inertia = (d.F_by_alpha1 + 0.5 * d.F_by_speed) / d.k + d.J2 * response(d, d.J2)
-        impulse = inertia * links if quadratures else 0.0
-        work = impulse * links + (d.J3 * output * output if quadratures else 0.0)
+        impulse = inertia * links if has_quadratures else 0.0
+        work = impulse * links + (d.J3 * output * output if has_quadratures else 0.0)
         scale.drive = impulse if d.by_torque == 0.0 else 0.0
         scale.work_in = work
         if d.losses != 0.0:

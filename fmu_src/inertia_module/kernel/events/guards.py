@@ -2,9 +2,9 @@
 
 - freewheel that overruns: its slip;
 - locked freewheel: its torque plus its drag;
-- freewheel within its engagement angle: the angle that remains, and its backward speed;
+- freewheel within its engagement angle: the remaining angle, and its backward speed;
 - links 1 and 2 that slip: the slip times its sign;
-- links 1 and 2 that stick: the friction that remains;
+- links 1 and 2 that stick: the friction reserve;
 - meshes with losses: their torques times the signs that the losses depend on.
 """
 
@@ -12,17 +12,17 @@ from ..equations.states import ENGAGED_COMPLIANT, IN_BACKLASH, LOCKED, OVERRUNNI
 from ..records import Constants, Doubles, Machine, State, Workspace
 from ..tableau import NODES, dense_change, dense_rate, last_stage
 
+# Numbers of the indicators
 HOUSING = 0
 OUTPUT = 1
 SLIP = 2
 # Reversal of a freewheel within its engagement angle
 HOUSING_BACK = 3
 OUTPUT_BACK = 4
-FLOW = 5
-SPIN = 6
-CLEAR_FRACTION = (
-    0.25  # Of the range of an indicator in a step: above it at all stages, it has no zero between
-)
+FLOW = 5  # Torque of the mesh 2-16
+TAU6 = 6  # Torque tau6 in the mesh 17-6 of satellite 0; the other satellites follow
+# Fraction of the range of an indicator in a step. If all stages are above it, there is no zero between them
+CLEAR_FRACTION = 0.25
 
 
 def n_indicators(d: Constants) -> int:
@@ -30,8 +30,8 @@ def n_indicators(d: Constants) -> int:
     if d.losses == 0.0:
         return SLIP
     if d.satellite_loss == 0.0:
-        return SPIN
-    return SPIN + int(d.satellites)
+        return TAU6
+    return TAU6 + int(d.satellites)
 
 
 def is_watched(d: Constants, x: State, which: int) -> bool:
@@ -44,7 +44,7 @@ def is_watched(d: Constants, x: State, which: int) -> bool:
         return x.housing_state == IN_BACKLASH or (x.housing_state == LOCKED and x.play_housing > 0.0)
     if which == OUTPUT_BACK:
         return x.output_state == IN_BACKLASH or (x.output_state == LOCKED and x.play_output > 0.0)
-    return (d.housing if which == HOUSING else d.output) != 0.0
+    return (d.housing_freewheel if which == HOUSING else d.output_freewheel) != 0.0
 
 
 def freewheel_state(x: State, which: int) -> float:
@@ -53,7 +53,7 @@ def freewheel_state(x: State, which: int) -> float:
 
 
 def is_play(x: State, which: int) -> bool:
-    """Return True if the indicator is the rest of the engagement angle of a freewheel."""
+    """Return True if the indicator is the remaining engagement angle of a freewheel."""
     return which < SLIP and freewheel_state(x, which) == IN_BACKLASH
 
 
@@ -87,6 +87,13 @@ def output_indicator(d: Constants, x: State, m: Machine) -> tuple[float, float]:
     return m.output + d.output_drag, m.output + d.output_drag
 
 
+def slip_indicator(x: State, m: Machine) -> tuple[float, float]:
+    """Return the indicator of the slip of links 1 and 2, and its rate (see value_and_rate)."""
+    if x.slip_sign == 0.0:
+        return m.friction_reserve, m.friction_reserve
+    return x.slip_sign * (m.omega1 - m.omega2), x.slip_sign * (m.alpha1 - m.alpha2)
+
+
 def reversal_indicator(x: State, m: Machine, which: int) -> tuple[float, float]:
     """Return the indicator of a freewheel that turns back, and its rate (see value_and_rate)."""
     if which == HOUSING_BACK:
@@ -109,11 +116,11 @@ def value_and_rate(d: Constants, x: State, m: Machine, which: int) -> tuple[floa
         Value, rate; of a torque, whose rate is not known, the value again.
     """
     if which == FLOW:
-        return x.flow_sign * m.torque, x.flow_sign * m.torque
-    if which >= SPIN:
-        return m.spun_by[which - SPIN], m.spun_by[which - SPIN]
+        return x.flow_sign * m.flow_torque, x.flow_sign * m.flow_torque
+    if which >= TAU6:
+        return m.mesh_friction_by[which - TAU6], m.mesh_friction_by[which - TAU6]
     if which == SLIP:
-        return m.margin, (x.slip_sign * (m.alpha1 - m.alpha2) if x.slip_sign != 0.0 else m.margin)
+        return slip_indicator(x, m)
     if which == HOUSING:
         return housing_indicator(d, x, m)
     if which == OUTPUT:
@@ -133,17 +140,17 @@ def range_of(values: Doubles, last: int) -> tuple[float, float]:
 def is_clear(x: State, w: Workspace, which: int) -> bool:
     """Return True if the stages of the step exclude a zero crossing of an indicator.
 
-    It is far above zero at all of them, or grows away from its beginning, or it is a speed that only grows or
-    only falls, not to zero.
+    One of three conditions is sufficient: all values are far above zero; the indicator is a speed that only
+    grows, or only falls to a positive value; or it rises from its initial value at all stages.
     """
-    values = w.watched[which].value
+    values = w.indicators[which].value
     pair = int(w.pair)
     last = last_stage(pair)
     low, high = range_of(values, last)
     if low > CLEAR_FRACTION * (high - low):
         return True
     if is_speed(x, which):
-        lowest, highest = range_of(w.watched[which].rate, last)
+        lowest, highest = range_of(w.indicators[which].rate, last)
         if lowest >= 0.0 or (highest <= 0.0 and values[last] > 0.0):
             return True
     start = values[0]
@@ -160,7 +167,7 @@ def fitted_guard(x: State, w: Workspace, which: int, sigma: float) -> float:
 
     A negative value at the beginning is round-off and is subtracted, except for a spring.
     """
-    dense, start = w.watched[which].dense, w.watched[which].value[0]
+    dense, start = w.indicators[which].dense, w.indicators[which].value[0]
     if is_speed(x, which):
         return max(start, 0.0) + dense_change(dense, sigma)
     return dense_rate(dense, sigma) / w.step - (0.0 if is_spring(x, which) else min(start, 0.0))

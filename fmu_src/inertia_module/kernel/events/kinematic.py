@@ -1,7 +1,7 @@
 """Fidelity kinematic: omega2 = ratio omega1 is prescribed, and the torques follow by inverse dynamics.
 
-The motion is known at any time. So all integrals over an interval are sums over the nodes of a Gauss rule,
-which stand for the stages of a step.
+The motion is an explicit function of time. All integrals over an interval are therefore sums over the nodes
+of a Gauss rule, which are stored like the stages of a step.
 """
 
 import math
@@ -11,14 +11,14 @@ from ..equations.states import OVERRUNNING, RATIO_PRESCRIBED
 from ..loads import store_beginning
 from ..records import Constants, State, Workspace
 from ..tableau import GAUSS_NODES, GAUSS_WEIGHTS, N_GAUSS_NODES
-from .advance import commit
+from .advance import add_changes
 from .stages import set_changes, store_rates
 
 # Phase of the highest harmonic in one interval, rad. Losses have kinks where a mesh torque changes its sign.
 # The means are then accurate to about 1e-5.
 MAX_PHASE, MAX_LOSSY_PHASE = 1.0, 0.25
-# Frequency of a ramp over the square root of its acceleration. The error of the rule scales with the tenth
-# derivative, which is 945 for sin(t^2 / 2) at t = 0, about as large as for sin(2 t).
+# Equivalent frequency of a ramp over the square root of its phase acceleration. The error of the rule scales
+# with the tenth derivative. For sin(t^2 / 2) it is 945 at t = 0, about as large as 2^10 for sin(2 t).
 RAMP_PHASE_FACTOR = 2.0
 
 
@@ -99,5 +99,5 @@ def advance_kinematic(d: Constants, x: State, w: Workspace, remaining: float) ->
     w.change.turned3 = d.kinematic_ratio * w.change.theta1
     w.load = 0.0  # The energy balance ends at the output
     x.energy_out += work_out
-    commit(d, x, w)
+    add_changes(d, x, w)
     return h

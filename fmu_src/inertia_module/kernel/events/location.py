@@ -1,4 +1,4 @@
-"""Event location: the part of the present step at which an event indicator first falls through zero.
+"""Event location: the fraction of the present step at which an event indicator first falls through zero.
 
 The dense output is sampled. The first interval in which the indicator falls is narrowed by the Illinois
 method (M. Dowell and P. Jarratt, A modified regula falsi method, BIT 11, 1971, 168). A torque that ends a
@@ -33,19 +33,19 @@ def illinois(
     value_high: float,
     by_equations: bool,
 ) -> float:
-    """Return the part of the step at which an indicator has just fallen below -zero.
+    """Return the fraction of the step at which an indicator has just fallen below -zero.
 
     Args:
-        d: constants.
-        x: state at the beginning of the step.
-        w: workspace with the present step.
-        which: number of the indicator.
-        zero: threshold of the indicator; the result is accepted between -3 zero and -zero.
-        low: part of the step at which the indicator has not fallen.
-        value_low: indicator there, at least -zero.
-        high: part of the step at which it has fallen.
-        value_high: indicator there, below -zero.
-        by_equations: whether the indicator is evaluated by the equations of motion.
+        d: Constants.
+        x: State at the beginning of the step.
+        w: Workspace with the present step.
+        which: Number of the indicator.
+        zero: Threshold of the indicator; the search ends between -3 zero and -zero.
+        low: Fraction of the step at which the indicator has not yet fallen below -zero.
+        value_low: Indicator there, at least -zero.
+        high: Fraction of the step at which it has fallen below -zero.
+        value_high: Indicator there, below -zero.
+        by_equations: True to evaluate the indicator by the equations of motion, False by the dense output.
     """
     value_low += 2.0 * zero
     value_high += 2.0 * zero
@@ -74,9 +74,9 @@ def illinois(
 
 
 def lowest_point(before: float, here: float, after: float) -> float:
-    """Return the lowest point of the parabola through three samples, in samples from the middle one.
+    """Return the lowest point of the parabola through three samples, in sample intervals from the middle one.
 
-    It is 0 if the middle sample is not the lowest.
+    It is 0 if the middle sample is not the lowest one.
     """
     if here > before or here >= after:
         return 0.0
@@ -94,18 +94,18 @@ def fall_between(
     high: float,
     value_high: float,
 ) -> float:
-    """Return the part of the step at which an indicator falls, or -1 if its torque does not.
+    """Return the fraction of the step at which an indicator falls, or -1 if its torque does not fall.
 
     Args:
-        d: constants.
-        x: state at the beginning of the step.
-        w: workspace with the present step.
-        which: number of the indicator.
-        zero: threshold of the indicator.
-        low: part of the step at which its dense output has not fallen.
-        value_low: dense output there.
-        high: part of the step at which its dense output has fallen below -zero.
-        value_high: dense output there.
+        d: Constants.
+        x: State at the beginning of the step.
+        w: Workspace with the present step.
+        which: Number of the indicator.
+        zero: Threshold of the indicator.
+        low: Fraction of the step at which its dense output has not fallen.
+        value_low: Dense output there.
+        high: Fraction of the step at which its dense output has fallen below -zero.
+        value_high: Dense output there.
     """
     sigma = illinois(d, x, w, which, zero, low, value_low, high, value_high, False)
     if which >= guards.FLOW or guards.is_speed(x, which):
@@ -120,22 +120,22 @@ def fall_between(
 
 
 def first_fall(d: Constants, x: State, w: Workspace, which: int, zero: float) -> float:
-    """Return the part of the step at which an indicator first falls below -zero, or -1.
+    """Return the fraction of the step at which an indicator first falls below -zero, or -1.
 
-    A dip between two samples is looked for at the lowest point of the parabola through three samples.
+    Between two samples the lowest point of the parabola through three samples is tested.
     """
-    part = 1.0 / SAMPLES
+    interval = 1.0 / SAMPLES
     low = 0.0
     value_before = value_low = fitted_guard(x, w, which, 0.0)
     for n in range(1, SAMPLES + 1):
-        high = n * part
+        high = n * interval
         value_high = fitted_guard(x, w, which, high)
         sigma = -1.0
         offset = lowest_point(value_before, value_low, value_high) if n > 1 else 0.0
-        lowest = low + offset * part
+        lowest = low + offset * interval
         value_lowest = fitted_guard(x, w, which, lowest) if offset != 0.0 else 0.0
         if value_lowest < -zero:
-            begin, value_begin = (low, value_low) if offset > 0.0 else (low - part, value_before)
+            begin, value_begin = (low, value_low) if offset > 0.0 else (low - interval, value_before)
             sigma = fall_between(d, x, w, which, zero, begin, value_begin, lowest, value_lowest)
         if sigma < 0.0 and value_high < -zero:
             sigma = fall_between(d, x, w, which, zero, low, value_low, high, value_high)
@@ -160,7 +160,7 @@ def guard_tolerance(d: Constants, x: State, w: Workspace, which: int) -> float:
     torques = torque_magnitude(d, d.machine, w.prescribed, w.load if d.elastic == 0.0 else 0.0)
     zero = INDICATOR_RTOL * torques
     if guards.is_spring(x, which):
-        # The deflection of a spring is accurate to the tolerance
+        # The deflection of a spring is only accurate to the tolerance
         zero = max(zero, w.tolerance * min(torques, min(d.J2, d.J3) * links / w.step))
     return zero
 
@@ -184,7 +184,7 @@ def first_event(d: Constants, x: State, w: Workspace) -> tuple[float, int]:
         if not has_dense_output:
             evaluate_stages(d, x, w, DOP853_LAST_STAGE + 1, N_STAGES - 1)
             has_dense_output = True
-        fit_dense_output(w.step, w.watched[guard].rate, w.watched[guard].dense)
+        fit_dense_output(w.step, w.indicators[guard].rate, w.indicators[guard].dense)
         sigma = first_fall(d, x, w, guard, guard_tolerance(d, x, w, guard))
         if sigma > 0.0 and (earliest < 0.0 or sigma < earliest):
             earliest = sigma

@@ -1,15 +1,14 @@
 """Stages of a step of an embedded pair, and the changes of speeds, angles and sums over it.
 
-w.rates[n] holds the rates at stage n (fields.FOLLOWED), w.change their integrals over the step.
+w.rates[n] holds the rates at stage n (fields.INTEGRATED), w.change their integrals over the step.
 """
 
 from ..accumulate import copy
 from ..equations.losses import write_loss_powers
 from ..equations.motion import equations_of_motion, evaluate
 from ..equations.states import ENGAGED_COMPLIANT, IDEAL, LOCKED, LOSSY
-from ..fields import CAUSES
-from ..links import energy_of_links
-from ..records import Constants, Doubles, Followed, Machine, Records, State, Workspace
+from ..fields import N_CAUSES
+from ..records import Constants, Doubles, Integrated, Machine, Records, State, Workspace
 from ..tableau import (
     DOP853_LAST_STAGE,
     FIRST_ERROR_STAGE,
@@ -22,11 +21,11 @@ from ..tableau import (
 )
 from .guards import SLIP, is_spring, n_indicators, value_and_rate
 
-# Positions in fields.FOLLOWED
+# Positions in fields.INTEGRATED
 Q, OMEGA1, OMEGA2, OMEGA3 = 0, 1, 2, 3
 THETA1, LOST = 8, 11
-TWIST = LOST + CAUSES
-N_IDEAL = 12  # Quantities of an ideal module with a rigid output, which come first
+TWIST = LOST + N_CAUSES
+N_IDEAL = 12  # Number of quantities of an ideal module with a rigid output, which come first
 
 
 def solve_motion(d: Constants, x: State, w: Workspace) -> None:
@@ -47,10 +46,7 @@ def store_rates(d: Constants, x: State, w: Workspace, n: int) -> None:
     rates.omega2 = m.alpha2
     rates.omega3 = m.alpha3
     rates.theta1 = m.omega1
-    # In maps of fidelity averaged, whose output has a constant speed, the energy takes its place
     rates.turned3 = m.omega3
-    if d.averaged != 0.0:
-        rates.turned3 = energy_of_links(d, m.i, m.b, m.g, m.omega1, m.omega2)
     if d.elastic != 0.0:
         rates.turned3 -= m.relative
         rates.twist = m.relative
@@ -67,40 +63,40 @@ def store_rates(d: Constants, x: State, w: Workspace, n: int) -> None:
         turns = x.output_state == ENGAGED_COMPLIANT or d.output_engagement_angle > 0.0
         rates.wound_output = m.omega2 - m.omega3 if turns else 0.0
     for which in range(SLIP):
-        w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
+        w.indicators[which].value[n], w.indicators[which].rate[n] = value_and_rate(d, x, m, which)
     for which in range(SLIP, n_indicators(d)):
-        w.watched[which].value[n], w.watched[which].rate[n] = value_and_rate(d, x, m, which)
+        w.indicators[which].value[n], w.indicators[which].rate[n] = value_and_rate(d, x, m, which)
 
 
 def turn_freewheels(x: State, m: Machine, housing: float, output: float) -> None:
-    """Write wind-up and backlash, rad, to m for freewheels that have turned back since x."""
+    """Write wind-up and remaining engagement angles to m after the freewheels have turned back, rad."""
     m.wound_housing = x.wound_housing + housing
     m.wound_output = x.wound_output + output
     m.play_housing = x.play_housing - housing
     m.play_output = x.play_output - output
 
 
-def weighted_rate(w: Workspace, row: int, count: int, which: int, after: int) -> float:
+def weighted_rate(w: Workspace, row: int, count: int, which: int, first_nonzero: int) -> float:
     """Return the weighted sum of the rates of a quantity.
 
     Args:
-        w: workspace with the rates of the stages.
-        row: row of the tableau with the weights.
-        count: number of stages.
-        which: number of the quantity in fields.FOLLOWED.
-        after: the first stage after stage 0 with a weight, or an earlier one.
+        w: Workspace with the rates of the stages.
+        row: Row of the tableau with the weights.
+        count: Number of stages.
+        which: Number of the quantity in fields.INTEGRATED.
+        first_nonzero: First stage after stage 0 with a non-zero weight. An earlier stage is allowed.
     """
     total = WEIGHTS[N_STAGES * row] * w.rates[0].numbers[which]
-    for n in range(after, count):
+    for n in range(first_nonzero, count):
         total += WEIGHTS[N_STAGES * row + n] * w.rates[n].numbers[which]
     return total
 
 
 def four_weighted_sums(
-    stages: Records[Followed],
+    stages: Records[Integrated],
     weights: Doubles | tuple[float, ...],
     begin: int,
-    after: int,
+    first_nonzero: int,
     count: int,
     first: int,
 ) -> tuple[float, float, float, float]:
@@ -110,14 +106,14 @@ def four_weighted_sums(
         stages: Rates at the stages (w.rates).
         weights: Weights of the stages.
         begin: Position of the weight of stage 0.
-        after: First stage after stage 0 with a weight, or an earlier one.
+        first_nonzero: First stage after stage 0 with a non-zero weight. An earlier stage is allowed.
         count: Number of stages.
-        first: Number of the first quantity in fields.FOLLOWED.
+        first: Number of the first quantity in fields.INTEGRATED.
     """
     weight, numbers = weights[begin], stages[0].numbers
     a, b = weight * numbers[first], weight * numbers[first + 1]
     c, d = weight * numbers[first + 2], weight * numbers[first + 3]
-    for n in range(after, count):
+    for n in range(first_nonzero, count):
         weight = weights[begin + n]
         numbers = stages[n].numbers
         a += weight * numbers[first]
@@ -128,9 +124,9 @@ def four_weighted_sums(
 
 
 def write_weighted_sums(
-    stages: Records[Followed],
+    stages: Records[Integrated],
     weights: Doubles,
-    after: int,
+    first_nonzero: int,
     count: int,
     factor: float,
     sums: Doubles,
@@ -141,19 +137,19 @@ def write_weighted_sums(
     Args:
         stages: Rates at the stages (w.rates).
         weights: Weights of the stages.
-        after: First stage after stage 0 with a weight, or an earlier one.
+        first_nonzero: First stage after stage 0 with a non-zero weight. An earlier stage is allowed.
         count: Number of stages.
         factor: Factor of all sums.
         sums: Sums, written.
         end: Number of quantities, at least 4.
     """
-    for begins in range(0, end, 4):
-        which = min(begins, end - 4)
-        one, two, three, four = four_weighted_sums(stages, weights, 0, after, count, which)
-        sums[which] = factor * one
-        sums[which + 1] = factor * two
-        sums[which + 2] = factor * three
-        sums[which + 3] = factor * four
+    for position in range(0, end, 4):
+        which = min(position, end - 4)
+        sum0, sum1, sum2, sum3 = four_weighted_sums(stages, weights, 0, first_nonzero, count, which)
+        sums[which] = factor * sum0
+        sums[which + 1] = factor * sum1
+        sums[which + 2] = factor * sum2
+        sums[which + 3] = factor * sum3
 
 
 def evaluate_stages(d: Constants, x: State, w: Workspace, first: int, last: int) -> None:
@@ -181,15 +177,15 @@ def evaluate_stages(d: Constants, x: State, w: Workspace, first: int, last: int)
         if d.weight != 0.0:
             mean = NODES[row] * (x.omega1 + 0.5 * NODES[row] * h * w.prescribed)
             m.theta1 = x.theta1 + h * (mean if d.by_torque == 0.0 else weighted_rate(w, row, n, THETA1, 1))
-        if d.elastic + d.turning != 0.0:
+        if d.elastic + d.freewheel_angles != 0.0:
             twist, relative, housing, output = four_weighted_sums(
                 w.rates, WEIGHTS, N_STAGES * row, FIRST_NONZERO_STAGE[row], n, TWIST
             )
             m.twist = x.twist + h * twist
             m.relative = x.relative + h * relative
-            if d.turning != 0.0:
+            if d.freewheel_angles != 0.0:
                 turn_freewheels(x, m, h * housing, h * output)
-        # As evaluate, but inlined
+        # motion.evaluate, inlined
         if d.losses != 0.0:
             equations_of_motion(d, x, w.prescribed, w.load, True, LOSSY)
         else:
@@ -199,7 +195,7 @@ def evaluate_stages(d: Constants, x: State, w: Workspace, first: int, last: int)
 
 
 def set_changes(
-    d: Constants, x: State, w: Workspace, changes: Followed, h: float, after: int, count: int
+    d: Constants, x: State, w: Workspace, changes: Integrated, h: float, first_nonzero: int, count: int
 ) -> None:
     """Write the changes of the integrated quantities over a time, with the weights in w.weights.
 
@@ -209,11 +205,11 @@ def set_changes(
         w: Workspace with the step, its stages and their weights.
         changes: Record that is written.
         h: Time, s; the change of a prescribed speed of link 1 follows from it.
-        after: First stage after stage 0 with a weight, or an earlier one.
+        first_nonzero: First stage after stage 0 with a non-zero weight. An earlier stage is allowed.
         count: Number of stages with weights.
     """
     numbers = N_IDEAL if d.elastic + d.losses == 0.0 else len(changes.numbers)
-    write_weighted_sums(w.rates, w.weights, after, count, w.step, changes.numbers, numbers)
+    write_weighted_sums(w.rates, w.weights, first_nonzero, count, w.step, changes.numbers, numbers)
     if d.by_torque == 0.0:
         changes.omega1 = h * w.prescribed
         changes.theta1 = h * (x.omega1 + 0.5 * h * w.prescribed)
@@ -228,14 +224,14 @@ def set_step_changes(d: Constants, x: State, w: Workspace) -> None:
     set_changes(d, x, w, w.change, w.step, FIRST_NONZERO_STAGE[row], last)
 
 
-def solve_changed(d: Constants, x: State, w: Workspace, changes: Followed) -> None:
+def solve_changed(d: Constants, x: State, w: Workspace, changes: Integrated) -> None:
     """Solve the equations of motion after changes of the motion in ``x``; ``d.machine`` is written.
 
     Args:
         d: Constants; ``d.machine`` is written.
         x: State at the beginning of the step; the evaluation is counted.
         w: Workspace with the load and the prescribed quantity of link 1.
-        changes: Changes of the integrated quantities (fields.FOLLOWED).
+        changes: Changes of the integrated quantities (fields.INTEGRATED).
     """
     m = d.machine
     m.q = x.q + changes.q
@@ -246,12 +242,12 @@ def solve_changed(d: Constants, x: State, w: Workspace, changes: Followed) -> No
     if d.elastic != 0.0:
         m.twist = x.twist + changes.twist
         m.relative = x.relative + changes.relative
-    if d.turning != 0.0:
+    if d.freewheel_angles != 0.0:
         turn_freewheels(x, m, changes.wound_housing, changes.wound_output)
     solve_motion(d, x, w)
 
 
-def set_changes_inside(d: Constants, x: State, w: Workspace, sigma: float, changes: Followed) -> None:
+def set_changes_inside(d: Constants, x: State, w: Workspace, sigma: float, changes: Integrated) -> None:
     """Write the changes over the fraction sigma of the step of the pair 8(5,3) by its dense output."""
     write_dense_weights(sigma, w.weights)
     set_changes(d, x, w, changes, sigma * w.step, FIRST_ERROR_STAGE, N_STAGES)
@@ -260,9 +256,9 @@ def set_changes_inside(d: Constants, x: State, w: Workspace, sigma: float, chang
 def exact_guard(d: Constants, x: State, w: Workspace, which: int, sigma: float) -> float:
     """Return an event indicator at the fraction sigma of the step by the equations of motion.
 
-    A negative value at the beginning is round-off and is subtracted, except for a spring.
+    A negative value at the beginning of the step is round-off and is subtracted, except for a spring.
     """
-    values = w.watched[which].value
+    values = w.indicators[which].value
     value = values[0]
     if sigma == 1.0:
         value = values[DOP853_LAST_STAGE]
@@ -285,5 +281,5 @@ def reuse_end(d: Constants, x: State, w: Workspace) -> None:
     end = last_stage(int(w.pair))
     copy(w.rates[0].numbers, w.rates[end].numbers)
     for which in range(n_indicators(d)):
-        w.watched[which].value[0] = w.watched[which].value[end]
-        w.watched[which].rate[0] = w.watched[which].rate[end]
+        w.indicators[which].value[0] = w.indicators[which].value[end]
+        w.indicators[which].rate[0] = w.indicators[which].rate[end]

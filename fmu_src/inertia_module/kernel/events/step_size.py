@@ -13,8 +13,8 @@ STEP_PHASE = 2.0  # Of the pair 8(5,3); a longer step could pass over a pulse
 QUIET_PHASE = 2.0  # Of the pair 5(4), whose few stages exclude events
 SAFETY, SHORT_SAFETY = 0.8, 0.9  # Safety factors of the pairs 8(5,3) and 5(4)
 MIN_FACTOR, MAX_FACTOR = 0.2, 5.0  # Between successive step sizes
-SHORT_GROWTH = 1.05  # Of the size of the pair 5(4) in each step of the pair 8(5,3)
-MAX_REJECTIONS = 100  # Of a step, before it is given up
+SHORT_GROWTH = 1.05  # Growth of the size of the pair 5(4) in each step of the pair 8(5,3)
+MAX_REJECTIONS = 100  # Attempts at a step before the status STEP_TOO_SMALL
 
 
 def longest_step(d: Constants, x: State, remaining: float) -> float:
@@ -32,7 +32,13 @@ def longest_step(d: Constants, x: State, remaining: float) -> float:
 
 
 def next_factor(error: float, order: float, safety: float) -> float:
-    """Return the factor from the present step size to the next one for this error over the allowed one."""
+    """Return the factor from the present step size to the next one.
+
+    Args:
+        error: Error norm; 1 is the allowed error.
+        order: Order of the error in the step size.
+        safety: Safety factor.
+    """
     if not error < 1e300:
         return MIN_FACTOR
     if error == 0.0:
@@ -48,10 +54,10 @@ def step_error(d: Constants, x: State, w: Workspace) -> float:
 
 
 def try_short_step(d: Constants, x: State, w: Workspace, remaining: float) -> bool:
-    """Make the step to the end of the time remaining by the pair 5(4).
+    """Try one step to the end of the communication step by the pair 5(4).
 
     Returns:
-        Whether the step is accepted: the error is allowed and no event indicator comes near zero.
+        True if the step is accepted: the error norm is at most 1 and no event indicator can reach zero.
     """
     w.pair, w.step = DOPRI5_ROW, remaining
     evaluate_stages(d, x, w, 1, DOPRI5_LAST_STAGE)
@@ -79,7 +85,7 @@ def make_accepted_step(d: Constants, x: State, w: Workspace, remaining: float, l
         limit: Maximum step of the pair 8(5,3), s.
 
     Returns:
-        True if there is such a step.
+        True if such a step exists.
     """
     is_short = limit >= remaining and (remaining <= x.short_size or x.short_size == 0.0)
     if is_short and try_short_step(d, x, w, remaining):
