@@ -406,7 +406,7 @@ def test_second_search_of_a_scene_reuses_its_runs(designs, spec, fmu, cluster):
     assert stopped.verdict().startswith("0 of ")
     assert "no improvement in the last 8 generations of 3 starts" in stopped.verdict()
     assert "closest design: stall_torque " in stopped.verdict()
-    assert "(limit: at least 2000 N.m)" in stopped.verdict()
+    assert "(limit: at least 2000 N·m)" in stopped.verdict()
 
 
 @pytest.mark.slow

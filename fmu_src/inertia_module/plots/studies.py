@@ -412,14 +412,14 @@ def order_figure(result: Orders, title: str, in_hz: bool = False, speed_unit: st
         in_hz: True for waterfalls over Hz and rpm instead of orders.
         speed_unit: Unit of the speed of link 1 in waterfalls over orders.
     """
-    rows = _rows_of(result)
+    rows = oscillating_signals(result)
     figure = new_figure(title, 1.2 + 2.6 * max(len(rows), 1))
     if not rows:
         figure.text(0.5, 0.5, "all signals are constant", ha="center")
         return figure
     panels = figure.subplots(len(rows), 2, sharex="col" if in_hz else "all", squeeze=False)
     for (left, right), (name, label) in zip(panels, rows.items(), strict=True):
-        _draw_spectrum(left, result, name, label)
+        _draw_spectrum(left, result, name, label_with_unit(label, result.units[name]))
         mesh = _draw_waterfall(right, result, name, in_hz, "rpm" if in_hz else speed_unit)
         if mesh is not None:
             figure.colorbar(mesh, ax=right, label=f"amplitude [{printed_unit(result.units[name])}]")
@@ -429,8 +429,14 @@ def order_figure(result: Orders, title: str, in_hz: bool = False, speed_unit: st
     return figure
 
 
-def _rows_of(result: Orders) -> dict[str, str]:
-    """Return the label of each oscillating signal, with the names of signals of equal amplitudes."""
+def oscillating_signals(result: Orders) -> dict[str, str]:
+    """Return the oscillating signals without duplicates, each with the names of all equal signals.
+
+    Signals without oscillation are omitted. Signals are equal if their amplitudes are.
+
+    Args:
+        result: Result of orders.
+    """
     labels: dict[str, list[str]] = {}
     for name, amplitude in result.amplitude.items():
         maximum = float(amplitude.max())
@@ -443,7 +449,7 @@ def _rows_of(result: Orders) -> dict[str, str]:
             if np.allclose(result.amplitude[other], amplitude, rtol=0.0, atol=SAME_RTOL * maximum)
         )
         labels.setdefault(next(equal_signals, name), []).append(name.replace("_", " "))
-    return {name: label_with_unit(", ".join(names), result.units[name]) for name, names in labels.items()}
+    return {name: ", ".join(names) for name, names in labels.items()}
 
 
 def _draw_spectrum(axes: Axes, result: Orders, name: str, label: str) -> None:
