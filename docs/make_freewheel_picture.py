@@ -5,9 +5,8 @@ import math
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from inertia_module.common.colours import BLACK, BLUE, GREEN, VERMILION
+from inertia_module.common.colours import BLACK, BLUE, GREEN, VERMILION, Picture, styled
 from inertia_module.model import Module
 
 HERE = Path(__file__).parent / "explanation"
@@ -82,9 +81,10 @@ def read():
     return {key: np.array(part) for key, part in table.items()}
 
 
+@styled()
 def draw(table):
     """Draw efficiency and output torque over the engagement angle, engagement frequency over the speed."""
-    figure = Figure(figsize=(11.0, 3.8), layout="constrained")
+    figure = Picture(figsize=(11.0, 4.3), layout="constrained")
     efficiency, torque, frequency = figure.subplots(1, 3)
     for (name, ratio), columns in table.items():
         if name not in STYLES:
@@ -101,11 +101,19 @@ def draw(table):
             frequency.plot(rpm, turn * rpm / 60.0, **look)
     for name, limit in LIMITS.items():
         frequency.axhline(limit, color=BLACK, linewidth=0.8)
-        frequency.text(3000.0, limit, name, ha="right", va="bottom", fontsize=8)
+        frequency.text(50.0, limit, name, ha="left", va="bottom", fontsize=9)
     efficiency.set(xlabel="engagement angle [deg]", ylabel="efficiency [%]")
-    torque.set(xlabel="engagement angle [deg]", ylabel="relative output torque (0 deg: 1)", ylim=(0.0, 1.8))
-    frequency.set(xlabel="input speed [rpm]", ylabel="engagement frequency at 1 deg [Hz]", ylim=(0.0, 90.0))
-    efficiency.legend(fontsize=7, title="speed ratio", title_fontsize=7)
+    torque.set(xlabel="engagement angle [deg]", ylabel="output torque over torque at 0 deg", ylim=(0.0, None))
+    frequency.set(
+        xlabel="input speed [rpm]",
+        ylabel="engagement frequency at 1 deg [Hz]",
+        ylim=(0.0, None),
+        xlim=(0.0, 3000.0),
+    )
+    handles, labels = efficiency.get_legend_handles_labels()
+    figure.legend(
+        handles, labels, loc="outside lower center", ncols=len(RATIOS) * len(STYLES), title="speed ratio"
+    )
     figure.savefig(PICTURE, dpi=110)
 
 

@@ -4,13 +4,12 @@ import math
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 
+from inertia_module.common.colours import BLUE, GREY, ORANGE, VERMILION, Picture, styled
 from inertia_module.kernel import layout
 from inertia_module.model import Module
 
 TARGET = Path(__file__).parent / "explanation" / "mount.png"
-BLUE, ORANGE, RED, GREY = "#4878a8", "#d08c3c", "#802020", "#888888"
 MODULES = 3
 TURN = 2.0 * math.pi
 SAMPLES = 4000
@@ -35,17 +34,18 @@ def draw_modules(axes):
         axes.plot(places[:, 1], places[:, 2], color=ORANGE, linewidth=0.7)
         here = layout.imbalance_motion(d, ANGLE, turned, *motion)
         force = -np.array(here[7:]) * ARROW_LENGTH / max_acceleration
-        axes.plot(here[1], here[2], "o", color=RED, markersize=7)
-        axes.arrow(*here[1:3], *force, color=RED, width=1e-3, head_width=8e-3, length_includes_head=True)
+        axes.plot(here[1], here[2], "o", color=VERMILION, markersize=7)
+        axes.arrow(
+            *here[1:3], *force, color=VERMILION, width=1e-3, head_width=8e-3, length_includes_head=True
+        )
         axes.text(*(2.7 * d.axial * along), f"module {n}", ha="center", va="center", color=BLUE)
     for label, direction in (("Oy", (1.0, 0.0)), ("Oz", (0.0, 1.0))):
         end = 0.6 * d.axial * np.array(direction)
         axes.annotate("", end, (0.0, 0.0), arrowprops={"arrowstyle": "->"})
         axes.text(*(1.2 * end), label, ha="center", va="center")
     axes.set_title(
-        "three modules, Ox towards the reader, θ1 = 0: turned by 120°\n"
-        "each, drives in phase; arrows: −m a, lines: one turn of the drives",
-        size=10,
+        "three modules, Ox towards the reader, θ1 = 0: turned by 120° each,\n"
+        "pinion shafts in phase; arrows: −m a, lines: one turn of the pinion shafts"
     )
     axes.set_aspect("equal")
     axes.set_axis_off()
@@ -55,7 +55,7 @@ def draw_modules(axes):
 
 def draw_forces(axes):
     """The force that one module leaves, turning with link 1, by its number of satellites."""
-    for satellites, colour in ((3, ORANGE), (1, BLUE), (2, RED)):
+    for satellites, colour in ((3, ORANGE), (1, BLUE), (2, VERMILION)):
         module = Module("plain").start(satellites=satellites, omega1=100.0, fidelity=0, kinematic_ratio=0.5)
         points = []
         for _ in range(SAMPLES):
@@ -64,16 +64,16 @@ def draw_forces(axes):
             points.append((y / 1e3, z / 1e3))
         label = f"{satellites} satellite" + "s" * (satellites > 1)
         axes.plot(*np.transpose(points), color=colour, linewidth=0.8, label=label)
-    axes.set_title("one module: its force on the mount, ω2 = ω1/2,\ntwo turns of link 1", size=10)
+    axes.set_title("one module: its force on the mount, ω2 = ω1/2,\ntwo turns of link 1")
     axes.set_xlabel("Fy [kN]")
     axes.set_ylabel("Fz [kN]")
     axes.set_aspect("equal")
-    axes.grid(alpha=0.3)
-    axes.legend(loc="upper right", fontsize=8)
+    axes.legend(loc="upper right")
 
 
+@styled()
 def main():
-    figure = Figure(figsize=(10, 5), dpi=100, layout="constrained")
+    figure = Picture(figsize=(10, 5), dpi=100, layout="constrained")
     left, right = figure.subplots(1, 2)
     draw_modules(left)
     draw_forces(right)

@@ -3,11 +3,10 @@
 from collections import Counter
 from pathlib import Path
 
-from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from stability_page import extreme_rows, machine_rows
 
-from inertia_module.common.colours import BLUE, GREEN, ORANGE, VERMILION
+from inertia_module.common.colours import BLUE, GREEN, ORANGE, VERMILION, Picture, styled
 from verification.stability.motion import LEVELS
 from verification.stability.verdicts import BROKEN, DEGRADED, EXACT, REJECTED, SENSITIVE
 
@@ -27,10 +26,11 @@ def outcomes():
     return table
 
 
+@styled()
 def picture():
     """Return the figure: a bar for each row and level, divided by verdicts."""
     table = outcomes()
-    figure = Figure(figsize=(8.5, 1.0 + 0.24 * len(table)), dpi=120, layout="constrained")
+    figure = Picture(figsize=(8.5, 1.0 + 0.24 * len(table)), dpi=120, layout="constrained")
     axes = figure.subplots()
     for y, levels in enumerate(table.values()):
         for level, results in levels.items():
@@ -48,9 +48,10 @@ def picture():
     axes.xaxis.tick_top()
     axes.tick_params(length=0, labelsize=8)
     axes.spines[:].set_visible(False)
+    axes.grid(visible=False)
     drawn = {name for levels in table.values() for results in levels.values() for name in results}
     handles = [Patch(color=colour, label=name) for name, colour in COLOURS.items() if name in drawn]
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8, frameon=False)
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
     return figure
 
 

@@ -5,9 +5,8 @@ import math
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from inertia_module.common.colours import BLACK, BLUE, GREEN, VERMILION
+from inertia_module.common.colours import BLACK, BLUE, GREEN, VERMILION, Picture, styled
 from inertia_module.model import Module
 
 HERE = Path(__file__).parent / "explanation"
@@ -96,9 +95,10 @@ def lines_of_page(table):
             yield f"| {name}, {ratio:g} | {' | '.join((*speeds, *changes))} |"
 
 
+@styled()
 def draw(table):
     """Draw a panel for each mechanism and ratio, a line for each quantity, dashed for satellite inertia."""
-    figure = Figure(figsize=(11, 6.5), dpi=100, layout="constrained")
+    figure = Picture(figsize=(11, 6.5), dpi=100, layout="constrained")
     grid = figure.subplots(len(MECHANISMS), len(RATIOS), sharex=True, sharey=True)
     for (name, ratio, cause), part in table.items():
         axes = grid[list(MECHANISMS).index(name), RATIOS.index(ratio)]
@@ -107,14 +107,13 @@ def draw(table):
             axes.loglog(part[:, 0], 100.0 * np.abs(values), style, color=colour, label=f"{label}, {cause}")
         axes.axhline(100.0 * SMALL, color="grey", linewidth=0.7)
         axes.set_ylim(1e-3, 1e4)
-        axes.set_title(f"{name}, speed ratio {ratio:g}", size=10)
-        axes.grid(alpha=0.3)
+        axes.set_title(f"{name}, speed ratio {ratio:g}")
     for axes in grid[-1]:
         axes.set_xlabel("ω1 [rad/s]")
     for axes in grid[:, 0]:
         axes.set_ylabel("change [%]")
     handles, labels = grid[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
+    figure.legend(handles, labels, loc="outside lower center", ncols=4)
     figure.savefig(PICTURE)
 
 

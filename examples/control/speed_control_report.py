@@ -2,9 +2,8 @@
 
 import control as ct
 import numpy as np
-from matplotlib.figure import Figure
 
-from inertia_module.common.colours import BLACK, BLUE, VERMILION
+from inertia_module.common.colours import BLACK, BLUE, VERMILION, Picture, styled
 
 
 def report(rows):
@@ -41,17 +40,18 @@ def step_numbers(table, plants):
             )
 
 
+@styled()
 def figure_of(table, plants, curves, pulse_rate):
     """Draw the Bode plot of the loop with the PI controller (left) and the responses (right)."""
-    figure = Figure(figsize=(12.0, 8.0), dpi=100, layout="constrained")
-    figure.suptitle("Car on a hill: designed on the averaged module, run on the FMUs", fontweight="bold")
+    figure = Picture(figsize=(12.0, 8.0), dpi=100, layout="constrained")
+    figure.suptitle("Car on a hill: designed on the averaged module, run on the FMUs")
     axes = figure.subplots(2, 2)
     for label, (frequency, loop), style in curves:
         axes[0, 0].loglog(frequency, np.abs(loop), style, label=label)
         axes[1, 0].semilogx(frequency, np.degrees(np.unwrap(np.angle(loop))), style, label=label)
-    axes[0, 0].set_ylabel("gain of the PI loop")
-    axes[1, 0].set_ylabel("phase, degrees")
-    axes[1, 0].set_xlabel("frequency, Hz")
+    axes[0, 0].set_ylabel("gain of the PI loop [1]")
+    axes[1, 0].set_ylabel("phase [deg]")
+    axes[1, 0].set_xlabel("frequency [Hz]")
     for axis in axes[:, 0]:
         axis.axvline(0.1 * pulse_rate, color=BLACK, linewidth=0.8, linestyle=":")
     axes[0, 0].axhline(1.0, color=BLACK, linewidth=0.8)
@@ -60,10 +60,8 @@ def figure_of(table, plants, curves, pulse_rate):
         for kind, colour in zip(plants, (BLACK, BLUE, VERMILION), strict=True):
             axis.plot(table.time, table[f"omega_out {name} {kind}"], color=colour, linewidth=1.2, label=kind)
         axis.plot(table.time, table["reference"], color=BLACK, linewidth=0.8, linestyle="--")
-        axis.set_ylabel(f"{name}: output speed, rad/s")
-    axes[1, 1].set_xlabel("time, s")
-    for axis in axes.flat:
-        axis.grid(alpha=0.25)
+        axis.set_ylabel(f"{name}: output speed [rad/s]")
+    axes[1, 1].set_xlabel("time [s]")
     for axis in (axes[0, 0], axes[0, 1]):
-        axis.legend(frameon=False)
+        axis.legend()
     return figure

@@ -30,6 +30,7 @@ from examples.coupling.engine import (
     TorqueDrivenEngine,
 )
 from inertia_module import driveline
+from inertia_module.common.colours import styled
 from inertia_module.common.errors import FmuError
 from inertia_module.common.examples import example
 from inertia_module.fmi.instance import Fmu
@@ -439,6 +440,7 @@ _UNSTABLE = "#222222"
 _NORM = BoundaryNorm(_BOUNDS, _COLOURS.N)
 
 
+@styled()
 def map_figure(rows: Sequence[Trial]) -> Figure:
     """Draw the maximum errors of couplings (rows) over inertia ratio and step; unstable runs are black.
 
@@ -455,6 +457,7 @@ def map_figure(rows: Sequence[Trial]) -> Figure:
         grid = np.array([[errors.get((name, *column), math.inf) for column in columns] for name in schemes])
         clipped = np.clip(np.ma.masked_invalid(grid), _BOUNDS[0], 0.999 * _BOUNDS[-1])
         axes.set_facecolor(_UNSTABLE)
+        axes.grid(visible=False)
         axes.pcolormesh(clipped, cmap=_COLOURS, norm=_NORM, edgecolors="white", linewidth=0.4)
         axes.invert_yaxis()
         axes.tick_params(length=0, labelsize=6.5)
@@ -464,7 +467,7 @@ def map_figure(rows: Sequence[Trial]) -> Figure:
             if number == 0 or columns[number - 1][0] != ratio:
                 axes.axvline(number, color="black", linewidth=1.2)
                 axes.text(number + 0.1, -0.15, f"Φ/J_E = {ratio:g}", fontsize=7.5)
-        axes.set_xlabel(f"communication step, ms ({case})", fontsize=8)
+        axes.set_xlabel(f"communication step [ms], {case}", fontsize=8)
     bar = figure.colorbar(ScalarMappable(_NORM, _COLOURS), ax=panels, fraction=0.03, pad=0.01)
     bar.set_ticks(list(_BOUNDS))
     bar.set_ticklabels([f"{100 * bound:g} %" for bound in _BOUNDS])

@@ -186,7 +186,7 @@ def test_duty_is_shown_with_limits_and_an_exceeded_limit_is_a_warning(reported):
     assert [row[1] for row in duty] == ["not present"] * 4
     assert [row[2] for row in duty] == [numbers[f"output {row[0]}"] for row in duty]
     assert duty[1][2].endswith(" Hz, limit 2")
-    assert duty[2][2].endswith(" N.m, limit 150")
+    assert duty[2][2].endswith(" N·m, limit 150")
     (warning,) = checks(root, "unmet")
     assert warning.startswith("output engagement frequency maximum exceeds its limit of 2 Hz: ")
 

@@ -24,7 +24,7 @@ from inertia_module.scene.run import SceneRunner
 from inertia_module.studies.axes import axes_of, grid
 from inertia_module.studies.design_specification import read_spec
 from inertia_module.studies.evaluation import Task, evaluate, summaries
-from inertia_module.studies.workers import evaluations, pool
+from inertia_module.studies.workers import ClusterError, evaluations, pool
 from tests.system.conftest import Cluster
 from tests.system.programs import process
 
@@ -406,7 +406,7 @@ def test_second_search_of_a_scene_reuses_its_runs(designs, spec, fmu, cluster):
     assert stopped.verdict().startswith("0 of ")
     assert "no improvement in the last 8 generations of 3 starts" in stopped.verdict()
     assert "closest design: stall_torque " in stopped.verdict()
-    assert "(limit: at least 2000 N.m)" in stopped.verdict()
+    assert "(limit: at least 2000 N·m)" in stopped.verdict()
 
 
 @pytest.mark.slow
@@ -467,3 +467,14 @@ def test_unknown_metric_is_rejected(spec, fmu, cluster, tmp_path):
         SceneError, match=r"metrics: unknown metric 'omega_out_last'; did you mean 'omega_out_final'"
     ):
         studies.design(wrong, output=tmp_path, fmu=fmu, scheduler=cluster.address)
+
+
+def test_scheduler_that_does_not_respond_is_an_error_with_its_address(monkeypatch):
+    def silent_client(*args, **options):
+        raise TimeoutError
+
+    monkeypatch.setattr(workers, "Client", silent_client)
+    with pytest.raises(
+        ClusterError, match=r"^no response from the scheduler at tcp://127\.0\.0\.1:9 within 10 s$"
+    ):
+        workers._connect("tcp://127.0.0.1:9")

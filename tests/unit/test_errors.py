@@ -3,8 +3,18 @@
 import errno
 
 import pytest
+import typer
 
-from inertia_module.common.errors import InertiaModuleError, Named, cannot_read, must_be, suggestion, unknown
+from inertia_module.cli.answer import Answer, command
+from inertia_module.common.errors import (
+    InertiaModuleError,
+    Named,
+    cannot_read,
+    must_be,
+    sentence_of,
+    suggestion,
+    unknown,
+)
 
 NAMES = ["omega1", "omega2", "omega_out", "tolerance"]
 
@@ -48,6 +58,38 @@ def test_unreadable_file_is_named_once_with_the_reason(reason, text):
 def test_invalid_value_is_printed_with_all_digits():
     assert must_be("step", "above 0", -0.1) == "step must be above 0 (got -0.1)"
     assert must_be("layout", "bevel or planar", repr("flat")) == "layout must be bevel or planar (got 'flat')"
+
+
+def error_of(cause, error):
+    """Return an error raised while another error is handled."""
+    try:
+        try:
+            raise cause
+        except type(cause):
+            raise error  # noqa: B904 - the implicit cause is tested
+    except type(error) as caught:
+        return caught
+
+
+@pytest.mark.parametrize(
+    ("error", "line"),
+    [
+        (TimeoutError(), "TimeoutError"),
+        (ValueError(" \n"), "ValueError"),
+        (error_of(OSError("scheduler closed"), TimeoutError()), "TimeoutError, caused by: scheduler closed"),
+        (error_of(KeyError(), RuntimeError()), "RuntimeError, caused by: KeyError"),
+    ],
+)
+def test_an_error_without_message_has_its_type_and_cause(error, line, capsys):
+    def work() -> Answer:
+        raise error
+
+    assert sentence_of(error) == line
+    with pytest.raises(typer.Exit):
+        command(work)(as_json=True)
+    printed = capsys.readouterr()
+    assert printed.err == f"error: {line}\n"
+    assert printed.out == f'{{"error": "{line}"}}\n'
 
 
 def test_a_missing_value_has_its_reason():

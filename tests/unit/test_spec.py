@@ -81,7 +81,7 @@ def test_designs_are_compared_in_the_units_of_their_metrics(read):
     short = row(15.0, 60.0, 1.0)
     assert not judge.meets(short)
     assert judge.total_violation(short) == pytest.approx(0.25 + 0.2)
-    assert judge.tightest(short) == "stall_torque 15 N.m (limit: at least 20 N.m)"
+    assert judge.tightest(short) == "stall_torque 15 N·m (limit: at least 20 N·m)"
     rejected = Row({"mass": 1.0}, {}, 0.0, "no")
     assert judge.violations(rejected) == [1.0, 1.0, 1.0, 1.0]
     assert judge.violations(row(22.0, None, 1.0)) == pytest.approx([-0.1, 1.0, 1.0, 1.0])
@@ -172,7 +172,7 @@ def test_metrics_with_satellite_mass_have_a_caveat(density, end):
     assert metric("stall_torque", values) == pytest.approx(208.54, abs=0.01)
     assert metric("end_ratio", values) == pytest.approx(end, abs=0.01)
     held, least = (metric(name, values) for name in ("lock_up_torque", "least_torque"))
-    assert (held, least) == ((0.0, 0.0) if density else pytest.approx((655.15, 55.24), abs=0.01))
+    assert (held, least) == ((0.0, 0.0) if density else pytest.approx((655.15, 55.19), abs=0.01))
     scene = load_scene(example("engine_launch")).replaced(mechanism={**values, "output_inertia": None})
     doubts = caveats_of(scene, {"distance": 80.0}, 250.0)
     doubts.pop("drive too weak", None)  # A machine that locks up has this doubt
@@ -237,7 +237,7 @@ def test_verdict_contains_caveats_and_the_end_of_the_search(read, tmp_path):
     spec, good, short = read(SPEC), row(22.0, 40.0, 1.0), row(15.0, 60.0, 1.0)
 
     def verdict(checked, front, cut, doubts):
-        finalists = [Finalist(good, one, spec, tmp_path / "1.toml", doubts) for one in checked]
+        finalists = [Finalist(good, one, spec, tmp_path / "design_1.toml", doubts) for one in checked]
         judge = Judge(spec, UNITS)
         return DesignResult(judge, [good, short], front, finalists, 2, {}, Searched([good, short], [], cut))
 

@@ -98,9 +98,9 @@ def test_summary_of_the_reference_case():
         "  Speed       input 955 rpm   output at the end 172 rpm   ratio 0.180",
         "  Torque      output mean 19.0 N·m (peak 102)   input mean 2.35 N·m",
         "  Energy      input 235 J = output 111 + stored 123   efficiency 100 %",
-        "  Freewheels      engagements/s   peak torque   overrun speed",
-        "    housing    31.9 (mean 28.0)       117 N·m         172 rpm",
-        "    output     37.8 (mean 33.0)       102 N·m         170 rpm",
+        "  Freewheels      engagements/s   peak torque   overrunning speed",
+        "    housing    31.9 (mean 28.0)       117 N·m             172 rpm",
+        "    output     37.8 (mean 33.0)       102 N·m             170 rpm",
         "  Solved      in 24 ms, 42 times real time   energy error 1e-10",
     ]
 

@@ -172,7 +172,9 @@ def print_part(part: OutputPart) -> None:
         from rich.table import Table
 
         title, rows = part
-        table = Table(title=title, title_justify="left", show_header=False)
+        # the table is at least as wide as its title, otherwise the title would break
+        width = min(len(title), terminal().width)
+        table = Table(title=title, title_justify="left", show_header=False, min_width=width)
         for heading, value in rows.items():
             table.add_row(heading, value)
         terminal().print(table)

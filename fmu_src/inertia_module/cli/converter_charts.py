@@ -15,7 +15,7 @@ import inertia_module
 from ..common.errors import must_be
 from ..common.files import OUTPUT_FOLDER, writable_folder
 from ..common.terminal import progress_bar
-from ..common.units import split_quantity
+from ..common.units import printed_unit, split_quantity
 from .answer import Answer, OutputPart, command, file_lines
 from .figure_files import FORMATS, FigureFormat, FigurePanel, figure_path, write_picture
 from .options import Keys, OutputFolder, Text, option, speed_of, speed_text, values_of
@@ -81,7 +81,7 @@ def chart(
         data["charts"][name], data["units"][name] = numbers, units
         title = name if result.lossless else f"{name}, losses at {speed_text(reference_speed)}"
         title = f"{name} at {speed_text(omega1)}" if omega1 is not None else title
-        rows = {key: f"{value:.6g} {units[key]}".rstrip() for key, value in numbers.items()}
+        rows = {key: f"{value:.6g} {printed_unit(units[key])}".rstrip() for key, value in numbers.items()}
         parts.append((title, {key.replace("_", " "): text for key, text in rows.items()}))
     allowed = {name: _allowed_engagements(scene, reference_speed) for name, scene in loaded.items()}
     figure = inertia_module.chart_figure(

@@ -12,6 +12,7 @@ import inertia_module
 
 from ..common.files import OUTPUT_FOLDER, writable_folder
 from ..common.terminal import progress_bar
+from ..common.units import printed_unit
 from .answer import Answer, OutputPart, command, indented
 from .figure_files import FORMATS, FigureFormat, FigurePanel, figure_path, write_picture
 from .options import (
@@ -98,7 +99,7 @@ def orders(
         steps = f"{result.step * 1e3:.3g} ms instead of {loaded.run.communication_step * 1e3:.3g} ms"
         parts.append(f"recorded in steps of {steps}, for orders up to {result.highest:.4g} without aliases")
     for name, lines in result.lines(hz=hz, speed_unit=unit).items():
-        constant = {"no order": f"0 {result.units[name]}, constant"}
+        constant = {"no order": f"0 {printed_unit(result.units[name])}, constant"}
         parts.append((name.replace("_", " "), lines or constant))
     return Answer({"scene": str(scene), **result.as_dict()}, parts, files)
 

@@ -65,6 +65,8 @@ class MissingDependencyError(InertiaModuleError, RuntimeError):
 def sentence_of(error: BaseException) -> str:
     """Return the message of an error in one line; a system error includes the name of its file.
 
+    The line of an error without a message contains the type of the error and its cause.
+
     Args:
         error: the error.
     """
@@ -73,7 +75,11 @@ def sentence_of(error: BaseException) -> str:
         text = f"{error.filename}: {error.strerror}" if error.filename else error.strerror
     if isinstance(error, MemoryError):
         text = f"out of memory: {text}" if text else "out of memory"
-    return " ".join(text.split())
+    line = " ".join(text.split())
+    if line:
+        return line
+    cause = error.__cause__ or (None if error.__suppress_context__ else error.__context__)
+    return type(error).__name__ + (f", caused by: {sentence_of(cause)}" if cause else "")
 
 
 def must_be(name: str, allowed: str, value: float | str) -> str:

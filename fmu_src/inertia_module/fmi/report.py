@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ..common.errors import sentence_of
 from ..common.files import write_atomically
 
 # maximum number of listed messages of one kind
@@ -93,7 +94,7 @@ def reason_of(error: BaseException) -> str:
     """
     if isinstance(error, MemoryError):
         return "the memory limit is exceeded"
-    return " ".join(str(error).split()) or type(error).__name__
+    return sentence_of(error)
 
 
 class Journal:

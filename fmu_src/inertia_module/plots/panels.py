@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..common.colours import Picture, styled
 from ..common.errors import must_be
 from ..common.units import printed_unit
+from ..scene.headings import heading
 from ..scene.keys import MECHANISM
 
 # 1200 x 900 pixels
@@ -66,7 +67,7 @@ def label_with_unit(name: str, unit: str) -> str:
         name: Name of the key or metric.
         unit: Unit; "" or "1" for none.
     """
-    text = name.removeprefix(MECHANISM).replace("_", " ")
+    text = heading(name.removeprefix(MECHANISM))
     return f"{text} [{printed_unit(unit)}]" if unit not in ("", "1") else text
 
 

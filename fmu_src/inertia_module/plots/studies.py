@@ -21,6 +21,7 @@ from ..common.deprecated import renamed_arguments
 from ..common.units import factor_between, printed_unit
 from ..studies.axes import Axis
 from ..studies.design_result import DesignResult
+from ..studies.design_specification import metric_text
 from ..studies.evaluation import Row
 from ..studies.fit_result import FitResult
 from ..studies.order_result import BASES, Orders
@@ -232,6 +233,10 @@ def _draw_map(panel: Axes, sweep: SweepResult, values: Array, label: str) -> Non
 
 # limits of an axis: range of the Pareto front, at least this fraction of its value, widened by the margin
 MIN_RANGE, MARGIN = 0.01, 0.25
+# approximate height of a large panel and of a line, points; distance of neighbouring dots over the width
+PANEL_HEIGHT, LINE_HEIGHT, NEIGHBOUR = 345.0, 15.0, 0.15
+# ratio of the ends of a linear axis; a larger ratio makes the axis logarithmic
+MAX_LINEAR_RATIO = 10.0
 
 
 @styled()
@@ -306,26 +311,47 @@ def _draw_goals(
 
 
 def _zoom(panel: Axes, result: DesignResult, across: str | None, up: str) -> None:
-    """Limit a panel to the Pareto front and number the verified designs, each beside its dot."""
+    """Limit a panel to the Pareto front and the verified designs, and number these designs."""
     finalists = [finalist.checked for finalist in result.finalists]
     x, y = _coordinates(result, [*result.front, *finalists] or result.rows, across, up)
-    for set_limits, values in ((panel.set_xlim, x), (panel.set_ylim, y)):
-        finite = values[np.isfinite(values)]
-        if finite.size:
-            low, high = float(finite.min()), float(finite.max())
-            margin = MARGIN * max(high - low, MIN_RANGE * max(abs(low), abs(high)))
-            set_limits(low - margin, high + margin)
+    if not np.isfinite(x + y).any():  # a missing metric, such as a speed that is not reached
+        x, y = _coordinates(result, result.rows, across, up)
+    is_finite = np.isfinite(x + y)
+    if not is_finite.any():
+        return
+    for set_limits, values in ((panel.set_xlim, x[is_finite]), (panel.set_ylim, y[is_finite])):
+        low, high = float(values.min()), float(values.max())
+        margin = MARGIN * max(high - low, MIN_RANGE * max(abs(low), abs(high)))
+        set_limits(low - margin, high + margin)
     places = np.column_stack(_coordinates(result, finalists, across, up))
     labels = [finalist.file.stem.rpartition("_")[2] for finalist in result.finalists]
-    # The labels fan out, in the order of the designs along the front.
-    for place, (row, label) in enumerate(sorted(zip(places.tolist(), labels, strict=True))):
-        if not np.isfinite(row).all():
-            continue
+    pairs = zip(labels, places.tolist(), strict=True)
+    _number_dots(panel, {label: (x, y) for label, (x, y) in pairs if np.isfinite(x + y)})
+
+
+def _number_dots(panel: Axes, places: Mapping[str, tuple[float, float]]) -> None:
+    """Label dots, each with a line to its label.
+
+    Args:
+        panel: Panel with its final limits.
+        places: Coordinates of the dots by label.
+    """
+    corner, opposite = np.transpose([panel.get_xlim(), panel.get_ylim()])
+    previous: list[tuple[float, float]] = []
+    # From the lowest dot upward, each label is at least one line above the labels of neighbouring dots.
+    for label, place in sorted(places.items(), key=lambda item: item[1][1]):
+        across_fraction, up_fraction = (np.array(place) - corner) / (opposite - corner)
+        own_height = height = up_fraction * PANEL_HEIGHT
+        for fraction, below in previous:
+            if abs(fraction - across_fraction) < NEIGHBOUR:
+                height = max(height, below + LINE_HEIGHT)
+        previous.append((across_fraction, height))
         panel.annotate(
             label,
-            row,
-            xytext=(14 + 14 * (place % 2), 14 + 16 * (place % 3)),
+            place,
+            xytext=(28, height - own_height),
             textcoords="offset points",
+            va="center",
             fontweight="bold",
             arrowprops={"arrowstyle": "-", "color": GREY, "linewidth": 0.8},
         )
@@ -336,9 +362,9 @@ def _design_table(panel: Axes, result: DesignResult, names: Sequence[str]) -> No
     panel.set_axis_off()
     rows = []
     for finalist in result.finalists:
-        values = [finalist.checked.metrics.get(name, math.nan) for name in names]
+        values = [metric_text(finalist.checked, name) for name in names]
         limits = "satisfied" if result.judge.meets(finalist.checked) else "violated"
-        rows.append([finalist.file.stem.rpartition("_")[2], *(f"{value:.4g}" for value in values), limits])
+        rows.append([finalist.file.stem.rpartition("_")[2], *values, limits])
     headings = ["design", *(label_with_unit(name, result.judge.unit(name)) for name in names), "limits"]
     table = panel.table(rows, colLabels=headings, loc="center", cellLoc="center", edges="horizontal")
     table.auto_set_font_size(False)
@@ -347,11 +373,12 @@ def _design_table(panel: Axes, result: DesignResult, names: Sequence[str]) -> No
 
 
 def _use_log_scale(set_scale: Callable[[str], None], axis: Any, values: Array) -> None:
-    """Make an axis logarithmic, with plain numbers, because the first designs are far from the best."""
+    """Make an axis of more than a decade logarithmic, because the first designs are far from the best."""
     if (values < 0.0).any():
         set_scale("symlog")
         return
-    if not (values > 0.0).any():  # no design has the metric
+    positive = values[values > 0.0]
+    if not positive.size or positive.max() < MAX_LINEAR_RATIO * positive.min():
         return
     set_scale("log")
     axis.set_major_formatter("{x:g}")
@@ -381,6 +408,7 @@ def fit_figure(result: FitResult) -> Figure:
         curves.plot(time, table[f"{name}_measured"], ".", color=GREY, markersize=4, label="measured")
         curves.plot(time, table[f"{name}_computed"], color=VERMILION, linewidth=1.2, label="computed")
         add_label_and_legend(curves, label_with_unit(name, data.table.units.get(name, "")))
+        curves.margins(x=0.01)
         normalised = table[f"{name}_residual"] / data.noise.get(name, result.noise[name])
         residuals.axhspan(-BAND_95, BAND_95, color=BLUE, alpha=0.12)
         residuals.plot(time[is_used], normalised[is_used], ".", color=BLUE, markersize=4)
@@ -412,14 +440,14 @@ def order_figure(result: Orders, title: str, in_hz: bool = False, speed_unit: st
         in_hz: True for waterfalls over Hz and rpm instead of orders.
         speed_unit: Unit of the speed of link 1 in waterfalls over orders.
     """
-    rows = _rows_of(result)
+    rows = oscillating_signals(result)
     figure = new_figure(title, 1.2 + 2.6 * max(len(rows), 1))
     if not rows:
         figure.text(0.5, 0.5, "all signals are constant", ha="center")
         return figure
     panels = figure.subplots(len(rows), 2, sharex="col" if in_hz else "all", squeeze=False)
     for (left, right), (name, label) in zip(panels, rows.items(), strict=True):
-        _draw_spectrum(left, result, name, label)
+        _draw_spectrum(left, result, name, label_with_unit(label, result.units[name]))
         mesh = _draw_waterfall(right, result, name, in_hz, "rpm" if in_hz else speed_unit)
         if mesh is not None:
             figure.colorbar(mesh, ax=right, label=f"amplitude [{printed_unit(result.units[name])}]")
@@ -429,8 +457,14 @@ def order_figure(result: Orders, title: str, in_hz: bool = False, speed_unit: st
     return figure
 
 
-def _rows_of(result: Orders) -> dict[str, str]:
-    """Return the label of each oscillating signal, with the names of signals of equal amplitudes."""
+def oscillating_signals(result: Orders) -> dict[str, str]:
+    """Return the oscillating signals without duplicates, each with the names of all equal signals.
+
+    Signals without oscillation are omitted. Signals are equal if their amplitudes are.
+
+    Args:
+        result: Result of orders.
+    """
     labels: dict[str, list[str]] = {}
     for name, amplitude in result.amplitude.items():
         maximum = float(amplitude.max())
@@ -443,7 +477,7 @@ def _rows_of(result: Orders) -> dict[str, str]:
             if np.allclose(result.amplitude[other], amplitude, rtol=0.0, atol=SAME_RTOL * maximum)
         )
         labels.setdefault(next(equal_signals, name), []).append(name.replace("_", " "))
-    return {name: label_with_unit(", ".join(names), result.units[name]) for name, names in labels.items()}
+    return {name: ", ".join(names) for name, names in labels.items()}
 
 
 def _draw_spectrum(axes: Axes, result: Orders, name: str, label: str) -> None:
@@ -451,10 +485,12 @@ def _draw_spectrum(axes: Axes, result: Orders, name: str, label: str) -> None:
     amplitude = result.amplitude[name]
     axes.plot(result.order, amplitude, color=VERMILION, linewidth=1.2)
     for line in result.largest(N_LABELLED)[name]:
-        place = (line.order, float(np.interp(line.order, result.order, amplitude)))
+        low, high = np.searchsorted(result.order, (line.low, line.high))
+        first = max(low - 1, 0)
+        top = first + int(amplitude[first : high + 1].argmax())
         axes.annotate(
             f"{line.order:.4g}",
-            place,
+            (result.order[top], amplitude[top]),
             xytext=(0, 3),
             textcoords="offset points",
             ha="center",

@@ -28,6 +28,7 @@ from ..analysis.converter_chart import compute_chart
 from ..common.errors import InertiaModuleError, ParameterError
 from ..common.files import MAX_TEXT_SIZE, picture_of, read_file
 from ..common.terminal import Progress
+from ..common.units import printed_unit
 from ..fmi.instance import read_description
 from ..fmu.archive import render_xml
 from ..interface.variables import LOST_TO, PARAMETER, Group, with_causality
@@ -35,7 +36,7 @@ from ..kernel.codes import ELASTIC
 from ..plots.mechanism import mechanism_figure
 from ..plots.panels import TITLE_PAD
 from ..plots.scenes import scene_figure
-from ..plots.studies import N_LABELLED, chart_figure, order_figure
+from ..plots.studies import N_LABELLED, chart_figure, order_figure, oscillating_signals
 from ..scene import Scene, SceneResult
 from ..scene.freewheel_loads import DUTY_NOTE, FREEWHEELS
 from ..scene.headings import heading
@@ -381,7 +382,7 @@ def _chart(result: SceneResult) -> Part:
     chart = compute_chart(scene.parameters(), omega1, engagements=True)
     limits, units = scene.freewheels.of("indexing_frequency"), chart.units(omega1)
     numbers = chart.summary(omega1, limits).items()
-    rows = [(_with_spaces(name), f"{value:.6g} {units[name]}") for name, value in numbers]
+    rows = [(_with_spaces(name), f"{value:.6g} {printed_unit(units[name])}") for name, value in numbers]
     allowed = {"mechanism": min(limits.values()) * math.tau / abs(omega1)} if limits else {}
     figure = chart_figure({"mechanism": chart}, allowed=allowed, omega1=omega1)
     at = f"at the maximum speed of link 1 in the run, {omega1:.5g} rad/s"
@@ -409,7 +410,9 @@ def _orders(result: SceneResult, fmu: Path | None = None, speed_unit: str = "rad
     begin, end = record.time[moving_rows[0]], record.time[moving_rows[-1] + 1]
     spectra = orders(scene, fmu, record=record, begin=begin, end=end)
     lines = spectra.lines(N_LABELLED, speed_unit=speed_unit)
-    rows = [(_with_spaces(name), *line) for name, texts in lines.items() for line in texts.items()]
+    rows = [
+        (label, *line) for name, label in oscillating_signals(spectra).items() for line in lines[name].items()
+    ]
     text = f"Orders in cycles per {BASES[LINK1]}, from {begin:g} s to {end:g} s."
     text += f" They were recorded in steps of {spectra.step * 1e3:.3g} ms."
     picture = _picture(order_figure(spectra, "", speed_unit=speed_unit))
@@ -424,7 +427,7 @@ def _energy(result: SceneResult) -> Part:
         if name.startswith("energy_") or name == "efficiency":
             power = f"{value / time:.4g} W" if unit == "J" else ""
             share = f"{100.0 * value / losses:.3g} %" if name.startswith(LOST_TO) else ""
-            rows.append((_with_spaces(name), f"{value:.6g} {unit}", power, share))
+            rows.append((_with_spaces(name), f"{value:.6g} {printed_unit(unit)}", power, share))
     texts = [] if losses else ["The mechanism is ideal: no losses."]
     return Part(texts, ("energy", "value", "mean power", "share of the losses"), rows)
 
@@ -438,11 +441,11 @@ def _duty(result: SceneResult) -> Part:
     frequencies = ("engagement frequency mean", "engagement frequency maximum")
     rows = [
         (number, *(lines.get(f"{name} {number}", "not present") for name in FREEWHEELS))
-        for number in (*frequencies, "torque peak", "slip peak")
+        for number in (*frequencies, "torque peak", "overrunning speed peak")
     ]
     text = (
         "The mean frequency covers the whole run. The maximum covers ten consecutive engagements, because"
-        " manufacturers limit the indexing frequency of sprags. Slip is the overrunning speed."
+        " manufacturers limit the indexing frequency of sprags."
     )
     return Part([text], ("number", *(f"{name} freewheel" for name in FREEWHEELS)), rows)
 

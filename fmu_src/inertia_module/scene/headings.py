@@ -29,6 +29,8 @@ HEADINGS: Mapping[str, str] = {
     "tracking_error_rms": "RMS tracking error",
     "tracking_error_maximum": "maximum tracking error",
     "share_out_of_tolerance": "fraction of time out of tolerance",
+    "housing_slip_peak": "housing overrunning speed peak",
+    "output_slip_peak": "output overrunning speed peak",
     "rhs_evaluations": "right-hand-side evaluations",
     "wall_time": "wall-clock time",
 }

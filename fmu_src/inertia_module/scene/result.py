@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from .. import __version__
 from ..common.errors import Named
+from ..common.units import printed_unit
 from ..fmi.results import html_table
 from ..fmi.simulate import Result
 from ..interface.variables import LOCAL, OUTPUT
@@ -89,7 +90,10 @@ class SceneResult(Result):
 
     def lines(self) -> dict[str, str]:
         """Return the metrics with units and limits, and the notes, as texts by heading."""
-        numbers = {name: f"{value:.6g} {unit}".rstrip() for name, (value, unit) in self.quantities.items()}
+        numbers = {
+            name: f"{value:.6g} {printed_unit(unit)}".rstrip()
+            for name, (value, unit) in self.quantities.items()
+        }
         for name, limit in self.limits.items():
             numbers[name] += f", limit {limit:.6g}"
         return {heading(name): text for name, text in (numbers | self.remarks).items()}

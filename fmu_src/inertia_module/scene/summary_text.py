@@ -54,7 +54,7 @@ _FORCES = {
     "shaking_moment": "shaking moment",
 }
 # columns of the table of freewheels: heading, metric
-_PEAK_COLUMNS = {"peak torque": "torque_peak", "overrun speed": "slip_peak"}
+_PEAK_COLUMNS = {"peak torque": "torque_peak", "overrunning speed": "slip_peak"}
 _LIMITED = ("engagement_frequency_maximum", "torque_peak", "slip_peak")
 
 
@@ -375,7 +375,7 @@ class SummaryWriter:
         ]
 
     def freewheels(self) -> list[str]:
-        """Return the table of the freewheels: engagements, torque, overrun speed and limits."""
+        """Return the table of the freewheels: engagements, torque, overrunning speed and limits."""
         if DUTY_NOTE in self.result.remarks:
             reason = self.result.remarks[DUTY_NOTE].removeprefix("is ")
             return wrapped("Freewheels", [reason], self.width)

@@ -19,6 +19,7 @@ import numpy as np
 from ..common.equality import ByContent
 from ..common.errors import ParameterError
 from ..common.terminal import Progress
+from ..common.units import printed_unit
 from ..interface.variables import PARAMETER, REAL, VARIABLES, Group
 from ..scene import Scene
 from ..scene.keys import MECHANISM
@@ -83,7 +84,7 @@ class Candidate(ByContent):
     def cause(self) -> str:
         """Noun phrase for the cause, with its value."""
         kind, _, column = self.name.partition(".")
-        quantity = f"{self.value:.4g} {self.unit.removeprefix('1')}".strip()
+        quantity = f"{self.value:.4g} {printed_unit(self.unit.removeprefix('1'))}".strip()
         if kind == OFFSET:
             return f"an offset of {quantity} in {column}"
         if kind == GAIN:
@@ -104,7 +105,7 @@ class Candidate(ByContent):
     def text(self) -> str:
         """Line with the estimate, the F-test and the values of the free keys."""
         before, after = self.chi_squared
-        estimate = f"{self.value:.4g} ± {self.error:.2g} {self.unit.removeprefix('1')}".rstrip()
+        estimate = f"{self.value:.4g} ± {self.error:.2g} {printed_unit(self.unit.removeprefix('1'))}".rstrip()
         values = "; ".join(f"{name} {value:.5g}" for name, value in self.values.items())
         return f"{estimate}, chi-squared {before:,.0f} → {after:,.0f}, p = {self.p_value:.2g}; {values}"
 

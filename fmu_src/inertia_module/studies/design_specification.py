@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from ..common.deprecated import warn_renamed
 from ..common.errors import SceneError, must_be, unknown
-from ..common.units import number_of
+from ..common.units import number_of, printed_unit
 from ..interface.variables import ENUMERATIONS, LARGEST_SPEED
 from ..scene import Scene
 from ..scene.keys import Duration, Keys, Strict, quantity
@@ -160,7 +160,9 @@ def text_of(value: float | str, unit: str = "") -> str:
         value: Number or name.
         unit: Unit; "" or "1" for none.
     """
-    return value if isinstance(value, str) else f"{value:.4g} {unit}".removesuffix(" 1").rstrip()
+    return (
+        value if isinstance(value, str) else f"{value:.4g} {printed_unit(unit)}".removesuffix(" 1").rstrip()
+    )
 
 
 def metric_text(row: Row, name: str, unit: str = "") -> str:

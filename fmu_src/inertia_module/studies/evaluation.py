@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..common.equality import ByContent
-from ..common.errors import InertiaModuleError, ParameterError, must_be
+from ..common.errors import InertiaModuleError, ParameterError, must_be, sentence_of
 from ..common.extras import library
 from ..common.files import content_hash, naming, writable_folder, write_atomically
 from ..common.terminal import Progress
@@ -122,7 +122,7 @@ def evaluate(metrics_of: MetricsOf, points: list[Point]) -> Batch:
         try:
             metrics, message = metrics_of(point), ""
         except InertiaModuleError as error:
-            metrics, message = {}, " ".join(str(error).split())
+            metrics, message = {}, sentence_of(error)
         cost = time.perf_counter() - start
         batch.units.update({name: quantity.unit for name, quantity in metrics.items()})
         values = {name: quantity.value for name, quantity in metrics.items()}

@@ -15,6 +15,7 @@ from pydantic_core import to_jsonable_python
 from ..common.equality import ByContent
 from ..common.errors import listed
 from ..common.files import write_text
+from ..common.units import printed_unit
 from ..fmi.simulate import Result
 from ..scene import Scene
 from ..scene.reading import scene_text
@@ -64,10 +65,11 @@ class Fitted:
     @property
     def text(self) -> str:
         """Line with the value, the interval, the released candidates and the caveat."""
-        text, (low, high) = f"{self.value:.6g} {self.unit}".rstrip(), self.interval
+        unit, (low, high) = printed_unit(self.unit), self.interval
+        text = f"{self.value:.6g} {unit}".rstrip()
         released = f" with {' or '.join(self.released)} released" if self.released else ""
         if self.is_excluded:
-            text = f"{f'from {low:.6g} to {high:.6g} {self.unit}'.rstrip()}{released}"
+            text = f"{f'from {low:.6g} to {high:.6g} {unit}'.rstrip()}{released}"
         elif math.isfinite(high - low):
             text = f"{text}, from {low:.6g} to {high:.6g}{released}"
         return f"{text}; {self.doubt}" if self.doubt else text
@@ -308,7 +310,9 @@ class FitResult(ByContent):
             lines[f"correlation of {first} and {second}"] = f"{number:.3f}"
         for name, value in self.noise.items():
             source = ", estimated from the residuals" if name in self.estimated else ""
-            lines[f"noise of {name}"] = f"{value:.4g} {self.measurement.table.units[name]}{source}"
+            lines[f"noise of {name}"] = (
+                f"{value:.4g} {printed_unit(self.measurement.table.units[name])}{source}"
+            )
         freedom = self.measurement.number - len(self.parameters)
         untested = "; no test of the model, because the noise is estimated" if self.estimated else ""
         lines["chi-squared"] = f"{self.chi_squared * freedom:.4g} for {freedom} degrees of freedom{untested}"

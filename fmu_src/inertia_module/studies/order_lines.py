@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-from ..common.units import factor_between
+from ..common.units import factor_between, printed_unit
 
 if TYPE_CHECKING:
     from .order_result import Orders
@@ -198,7 +198,7 @@ def line_texts(
     factor = factor_between("rad/s", unit_of_speed)
     texts: dict[str, dict[str, str]] = {}
     for name, lines in lines_by_signal.items():
-        unit, rows = units[name], texts.setdefault(name, {})
+        unit, rows = printed_unit(units[name]), texts.setdefault(name, {})
         for line in lines:
             span = f"{line.low:.4g} to {line.high:.4g}"
             order = f"{line.order:.4g}" if line.low == line.high else span

@@ -32,7 +32,7 @@ from distributed.scheduler import KilledWorker
 from distributed.versions import VersionMismatchWarning
 
 from .. import __version__
-from ..common.errors import InertiaModuleError, must_be
+from ..common.errors import InertiaModuleError, must_be, sentence_of
 from ..common.files import naming
 from ..scene.run import SceneRunner
 from .axes import Point
@@ -45,6 +45,8 @@ MAX_BATCH = 2000
 BATCHES_PER_THREAD = 3
 # time without a result after which missing workers are replaced, s
 TIMEOUT = 5.0
+# time within which the scheduler must accept the client, s: of another machine, of this one
+REMOTE_TIMEOUT, LOCAL_TIMEOUT = 10.0, 120.0
 
 
 LOG = logging.getLogger(__name__)
@@ -165,20 +167,26 @@ def _connect(cluster: LocalCluster | str) -> Client:
 
     Raises:
         OSError: There is no scheduler at this address.
-        ClusterError: The scheduler has another version.
+        ClusterError: The scheduler does not respond or has another version.
     """
+    if isinstance(cluster, str):
+        address, timeout = cluster, REMOTE_TIMEOUT
+    else:
+        address, timeout = cluster.scheduler_address, LOCAL_TIMEOUT
     try:
         with warnings.catch_warnings():
             # The warning lists all packages that differ. Incompatible versions fail below.
             warnings.simplefilter("ignore", VersionMismatchWarning)
-            return Client(cluster, timeout=10)
+            return Client(cluster, timeout=timeout)
+    except TimeoutError:  # it has no message
+        raise ClusterError(f"no response from the scheduler at {address} within {timeout:g} s") from None
     except OSError:
         raise
     except Exception as error:
         with ThreadPoolExecutor(1) as thread:  # the thread of a notebook has an event loop
-            version = thread.submit(asyncio.run, _version_at(str(cluster))).result()
-        demand = must_be(f"version of distributed at {cluster}", distributed.__version__, version)
-        raise ClusterError(f"{demand}: {error}") from None
+            version = thread.submit(asyncio.run, _version_at(address)).result()
+        demand = must_be(f"version of distributed at {address}", distributed.__version__, version)
+        raise ClusterError(f"{demand}: {sentence_of(error)}") from None
 
 
 async def _version_at(scheduler: str) -> str:
@@ -210,11 +218,12 @@ def pool(task: Task, scheduler: str | None = None, workers: int | None = None) -
             client.register_plugin(TaskPlugin(task))
         except Exception as error:
             place = scheduler or "this machine"
-            raise ClusterError(f"the workers of {place} cannot run the task: {error}") from None
+            raise ClusterError(f"the workers of {place} cannot run the task: {sentence_of(error)}") from None
         try:
             yield client
         finally:
-            client.unregister_worker_plugin(task.identity)
+            with contextlib.suppress(OSError):  # the scheduler has ended: the results are complete
+                client.unregister_worker_plugin(task.identity)
 
 
 def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[Batch]:
@@ -266,7 +275,9 @@ def evaluations(client: Client, name: str, points: Sequence[Point]) -> Iterator[
         except InertiaModuleError:
             raise
         except Exception as error:
-            raise ClusterError(f"a worker cannot run the task: {type(error).__name__}: {error}") from error
+            raise ClusterError(
+                f"a worker cannot run the task: {type(error).__name__}: {sentence_of(error)}"
+            ) from error
         mean = sum(row.cost for row in result.rows) / len(result.rows)
         if mean > 0.0:
             size = int(min(max(BATCH_TIME / mean, 1.0), MAX_BATCH))
