@@ -89,7 +89,7 @@ def _make_copy(archive: zipfile.ZipFile, entries: Sequence[zipfile.ZipInfo], fol
     """Unpack a copy next to its place and move it there; another process may do the same at the same time."""
     fresh = Path(tempfile.mkdtemp(prefix=UNFINISHED, dir=folder.parent))
     try:
-        unpack(archive, entries, fresh)
+        unpack(archive, fresh)
         if folder.exists() and not is_unpacked(entries, folder):
             _remove_copy(folder)
         try:

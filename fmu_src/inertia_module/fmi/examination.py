@@ -55,7 +55,7 @@ def examine(path: Path, journal: Journal) -> Report:
     try:
         folder = Path(unpacked(content))
     except ArchiveError as error:
-        report.problems += error.problems
+        report.problems.append(str(error))
         return report
     except FmuError as error:
         raise FmuError(cannot_read(path, error)) from error
