@@ -57,7 +57,6 @@ HARM = {
     "aborts": ("abort()", f"{STAGE}: the FMU crashes (SIGABRT)"),
     "kills itself": ("kill(getpid(), SIGKILL)", f"{STAGE}: the FMU crashes (SIGKILL)"),
     "prints": ('puts("{\\"a\\": 1}")', "the FMU prints to standard output: '{\"a\": 1}'"),
-    "closes the output": ("close(1)", "the FMU closes the standard output of its process"),
     "discards": ("return 2", f"{STAGE} failed: at time 0 s: fmi2DoStep failed with status 2 (discard)."),
     "fails": ("return 3", f"{STAGE} failed: at time 0 s: fmi2DoStep failed with status 3 (error)."),
 }
@@ -103,21 +102,6 @@ def test_error_output_is_a_warning_and_earlier_results_stay(fmu):
     report = check_fmu(fmu('if (time > 0.5) { fputs("help\\n", stderr); exit(1); }'))
     assert report.warnings == ["the FMU prints to standard error: 'help'"]
     assert report.facts["model"] == "foreign"
-
-
-FORGED = {
-    "a pipe": "unlink(name); mkfifo(name, 0600)",
-    "a link": 'unlink(name); symlink("/dev/zero", name)',
-    "no journal": 'FILE *f = fopen(name, "w"); fputs("{}", f); fclose(f)',
-}
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="the FMU looks for its journal in /proc")
-@pytest.mark.parametrize("kind", FORGED)
-def test_fmu_that_replaces_the_journal_does_not_block_the_check(fmu, kind):
-    code = 'const char *name = "../journal.json"; ' + FORGED[kind] + "; _exit(0)"
-    (problem,) = check_fmu(fmu(code), progress=lambda share: None).problems
-    assert problem == "starting: the FMU exits the process of its host with code 0"
 
 
 def test_control_characters_of_an_fmu_do_not_reach_the_terminal(fmu):

@@ -73,7 +73,7 @@ def sentence_of(error: BaseException) -> str:
         text = f"{error.filename}: {error.strerror}" if error.filename else error.strerror
     if isinstance(error, MemoryError):
         text = f"out of memory: {text}" if text else "out of memory"
-    return " ".join(text.split())
+    return " ".join(text.split()) or type(error).__name__
 
 
 def must_be(name: str, allowed: str, value: float | str) -> str:

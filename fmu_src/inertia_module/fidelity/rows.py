@@ -13,6 +13,7 @@ from typing import Any
 from pydantic_core import to_jsonable_python
 
 from ..common.equality import ByContent
+from ..common.errors import sentence_of
 from ..fmi import results
 from .levels import Level
 
@@ -112,7 +113,7 @@ def attempt(head: Row, measure: Callable[[], dict[str, Any]]) -> Row:
     try:
         fields = measure()
     except FAILURES as error:
-        fields = {"failure": " ".join(str(error).split()) or type(error).__name__}
+        fields = {"failure": sentence_of(error)}
     return dataclasses.replace(head, **fields)
 
 
