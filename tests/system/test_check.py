@@ -5,7 +5,6 @@ import json
 import os
 import re
 import signal
-import stat
 import subprocess
 import sys
 import time
@@ -15,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from inertia_module.common.errors import FmuError
-from inertia_module.fmi import archive, check, copies
+from inertia_module.fmi import check, copies
 from inertia_module.fmi.check import check_fmu
 from inertia_module.fmi.examination import examine
 from inertia_module.fmi.report import Journal
@@ -58,7 +57,6 @@ HARM = {
     "aborts": ("abort()", f"{STAGE}: the FMU crashes (SIGABRT)"),
     "kills itself": ("kill(getpid(), SIGKILL)", f"{STAGE}: the FMU crashes (SIGKILL)"),
     "prints": ('puts("{\\"a\\": 1}")', "the FMU prints to standard output: '{\"a\": 1}'"),
-    "closes the output": ("close(1)", "the FMU closes the standard output of its process"),
     "discards": ("return 2", f"{STAGE} failed: at time 0 s: fmi2DoStep failed with status 2 (discard)."),
     "fails": ("return 3", f"{STAGE} failed: at time 0 s: fmi2DoStep failed with status 3 (error)."),
 }
@@ -104,21 +102,6 @@ def test_error_output_is_a_warning_and_earlier_results_stay(fmu):
     report = check_fmu(fmu('if (time > 0.5) { fputs("help\\n", stderr); exit(1); }'))
     assert report.warnings == ["the FMU prints to standard error: 'help'"]
     assert report.facts["model"] == "foreign"
-
-
-FORGED = {
-    "a pipe": "unlink(name); mkfifo(name, 0600)",
-    "a link": 'unlink(name); symlink("/dev/zero", name)',
-    "no journal": 'FILE *f = fopen(name, "w"); fputs("{}", f); fclose(f)',
-}
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="the FMU looks for its journal in /proc")
-@pytest.mark.parametrize("kind", FORGED)
-def test_fmu_that_replaces_the_journal_does_not_block_the_check(fmu, kind):
-    code = 'const char *name = "../journal.json"; ' + FORGED[kind] + "; _exit(0)"
-    (problem,) = check_fmu(fmu(code), progress=lambda share: None).problems
-    assert problem == "starting: the FMU exits the process of its host with code 0"
 
 
 def test_control_characters_of_an_fmu_do_not_reach_the_terminal(fmu):
@@ -485,60 +468,18 @@ def test_a_table_without_bound_is_not_read(fmu, monkeypatch):
 # --- archives ---
 
 
-def link(name):
-    """Return an entry that is a symbolic link."""
-    entry = zipfile.ZipInfo(name)
-    entry.external_attr = (stat.S_IFLNK | 0o777) << 16
-    return entry
+# Paths of entries outside the folder of the FMU, or not portable.
+OUTSIDE = ["/etc/evil", "C:evil", "resources\\evil", "..\\..\\evil", "../evil", "a/../../evil"]
 
 
-ENTRIES = {
-    "absolute": ("/etc/evil", "'/etc/evil' must have a relative name (got an absolute one)"),
-    "a drive": ("C:evil", "'C:evil' must have a relative name (got an absolute one)"),
-    "a backslash": (
-        "resources\\evil",
-        r"'resources\\evil' must have forward slashes (got a backslash)",
-    ),
-    "backslashes upwards": (
-        "..\\..\\evil",
-        r"'..\\..\\evil' must have forward slashes (got a backslash)",
-    ),
-    "upwards": ("../evil", "'../evil' must lie in the archive (got '..' in its name)"),
-    "upwards within": ("a/../../evil", "'a/../../evil' must lie in the archive (got '..' in its name)"),
-    "a line end": ("a\nb", r"'a\nb' must have a name of printable characters"),
-    "a link": (link("resources/link"), "'resources/link' must be a file or a folder (got a symbolic link)"),
-    "twice": (DESCRIPTION, f"'{DESCRIPTION}' must be unique (letter case is ignored)"),
-    "twice by case": ("MODELDescription.xml", "'MODELDescription.xml' must be unique"),
-    "twice by dots": (f"./{DESCRIPTION}", f"'./{DESCRIPTION}' must be unique"),
-    "file and folder": (f"{DESCRIPTION}/evil", f"'{DESCRIPTION}/evil' must be a file or a folder (got both)"),
-}
-
-
-@pytest.mark.filterwarnings("ignore:Duplicate name")
-@pytest.mark.parametrize("case", ENTRIES)
-def test_entries_outside_their_folder_are_a_problem(tmp_path, cache, case):
-    entry, problem = ENTRIES[case]
-    path = packed(tmp_path / "a.fmu", [(entry, "/etc/passwd")])
-    (result,) = examined(path).problems
-    assert result.startswith(f"entry {problem}")
+@pytest.mark.parametrize("name", OUTSIDE)
+def test_entry_outside_its_folder_is_a_problem(tmp_path, cache, name):
+    path = packed(tmp_path / "a.fmu", [(name, "text")])
+    words = (
+        f"the path of an entry must be a relative path with forward slashes and without '..' (got {name!r})"
+    )
+    assert examined(path).problems == [words]
     assert not cache.exists() or list(cache.iterdir()) == []
-
-
-def test_encrypted_entry_is_a_problem(tmp_path, cache):
-    path = packed(tmp_path / "a.fmu", [("resources/a", "a")])
-    content = bytearray(path.read_bytes())
-    content[content.rindex(b"PK\x01\x02") + 8] |= 1
-    path.write_bytes(content)
-    assert check_fmu(path).problems == ["entry 'resources/a' must not be encrypted"]
-
-
-def test_compression_outside_the_standard_is_a_problem(tmp_path, cache):
-    entry = zipfile.ZipInfo("resources/a")
-    entry.compress_type = zipfile.ZIP_LZMA
-    path = packed(tmp_path / "a.fmu", [(entry, "a")])
-    assert examined(path).problems == [
-        "entry 'resources/a' must be stored or deflated (got compression method 14)"
-    ]
 
 
 def bomb(path, files):
@@ -564,7 +505,7 @@ def test_entry_larger_than_its_declared_size_is_rejected(tmp_path, cache):
     content = path.read_bytes().replace((150_000_000).to_bytes(4, "little"), (1000).to_bytes(4, "little"))
     path.write_bytes(content)
     (problem,) = examined(path).problems
-    assert problem.startswith("entry 'resources/0' cannot be unpacked: ")
+    assert problem.startswith("the archive cannot be unpacked: ")
     assert list(cache.iterdir()) == []
 
 
@@ -574,39 +515,8 @@ def test_damaged_entry_is_a_problem_and_leaves_no_files(tmp_path, cache):
     content[content.index(b"resources/a") + 500] ^= 255
     path.write_bytes(content)
     (problem,) = examined(path).problems
-    assert problem.startswith("entry 'resources/a' cannot be unpacked: Bad CRC-32")
+    assert problem.startswith("the archive cannot be unpacked: Bad CRC-32 for file 'resources/a'")
     assert list(cache.iterdir()) == []
-
-
-ENTITIES = "".join(f'<!ENTITY a{n} "{f"&a{n - 1};" * 10}">' for n in range(1, 10))
-DOCTYPES = {
-    "billion laughs": f'<!DOCTYPE a [<!ENTITY a0 "ha">{ENTITIES}]><a>&a9;</a>',
-    "a file": '<!DOCTYPE a [<!ENTITY a SYSTEM "file:///etc/passwd">]><a>&a;</a>',
-    "an endless file": '<!DOCTYPE a [<!ENTITY % a SYSTEM "file:///dev/zero"> %a;]><a/>',
-    "a schema": '<!DOCTYPE a SYSTEM "file:///dev/zero"><a/>',
-}
-
-
-@pytest.mark.parametrize("file", [DESCRIPTION, "sources/buildDescription.xml"])
-@pytest.mark.parametrize("case", DOCTYPES)
-def test_entities_in_descriptions_are_an_error(tmp_path, cache, case, file):
-    path = tmp_path / "a.fmu"
-    with zipfile.ZipFile(path, "w") as made:
-        for name, content in {DESCRIPTION: description(fmi=3), file: DOCTYPES[case]}.items():
-            made.writestr(name, content)
-    words = rf"cannot read .*a.fmu: cannot read {file}: a document type \(DOCTYPE\) is not allowed$"
-    with pytest.raises(FmuError, match=words):
-        examined(path)
-
-
-@pytest.mark.parametrize("case", DOCTYPES)
-def test_entities_in_experiments_are_a_problem(fmu, case):
-    files = references("time,y\n0,0\n")
-    files[next(name for name in files if name.endswith(".exp"))] = DOCTYPES[case]
-    assert examined(fmu(files=files)).problems == [
-        "cannot read the reference experiments:"
-        " cannot read experiments.exp: a document type (DOCTYPE) is not allowed"
-    ]
 
 
 @pytest.mark.slow
@@ -618,10 +528,8 @@ def test_invalid_fmu_is_an_error_in_a_line(tmp_path, cache):
     with zipfile.ZipFile(plain, "w") as made:
         made.writestr("readme.txt", "no FMU")
     cases = {
-        pipe: "{} must be an FMU file (got a device or a pipe)",
-        "/dev/zero": "{} must be an FMU file (got a device or a pipe)",
-        "/dev/null": "{} must be an FMU file (got a device or a pipe)",
-        tmp_path: "{} must be an FMU file (got a folder)",
+        pipe: "cannot read {}: not a regular file (a device or a pipe)",
+        tmp_path: "cannot read {}: is a directory",
         tmp_path / "nothing": "cannot read {}: no such file or directory",
         text / "a": "cannot read {}: not a directory",
         text: "cannot read {}: not a zip archive: File is not a zip file",
@@ -630,13 +538,6 @@ def test_invalid_fmu_is_an_error_in_a_line(tmp_path, cache):
     }
     for path, words in cases.items():
         assert_one_line_error(command("check", path), f"error: {words.format(path)}")
-
-
-def test_too_large_file_is_an_error_in_a_line(tmp_path, cache):
-    path = tmp_path / "large.fmu"
-    with path.open("wb") as stream:
-        stream.truncate(archive.MAX_UNPACKED + 1)
-    assert_one_line_error(command("check", path), "large.fmu must be an FMU of at most 1 GB (got 1 GB)")
 
 
 def test_time_limit_is_a_quantity(tmp_path):

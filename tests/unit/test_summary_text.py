@@ -241,6 +241,7 @@ def test_units_are_those_of_the_operation_in_the_scene(tmp_path):
     assert display_units(reference, {"load.torque": "8 lbf.ft"})["N.m"] == "lbf.ft"
     assert display_units(example("urban"))["km/h"] == "km/h"
     assert display_units(example("engine_launch"))["rad/s"] == "rpm"
+    assert display_units(example("orders"))["rad/s"] == "rad/s"
     result = run_result(**DUTY_NOTE)
     lines = lines_of(result, {"rad/s": "rad/s", "N.m": "lbf.ft"})
     assert group(lines, "Speed") == "input 100 rad/s   output at the end 18.0 rad/s   ratio 0.180"

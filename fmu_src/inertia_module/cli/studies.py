@@ -70,7 +70,7 @@ def orders(
     summary.json and orders.png. Default output folder: out/orders/SCENE.
     """
     from ..plots.studies import order_figure
-    from ..scene.reading import speed_unit
+    from ..scene.reading import display_units
     from ..studies.order_result import BASES
 
     check_choice("reference angle", of, REFERENCE_ANGLES)
@@ -90,7 +90,8 @@ def orders(
             end=last,
             progress=progress,
         )
-    unit, files = speed_unit(scene, values_of(keys)), result.write(folder)
+    unit = display_units(scene, values_of(keys)).get("rad/s", "rad/s")
+    files = result.write(folder)
     files |= {"mat": result.write_mat(folder / "orders.mat")} if mat else {}
     files["picture"] = write_picture(path, order_figure(result, loaded.title, hz, unit), panel)
 

@@ -12,7 +12,6 @@ from pathlib import Path
 
 from ..common.errors import FmuError, must_be
 from ..common.terminal import Progress
-from .archive import regular_file
 from .child import End, run_child
 from .report import Journal, Report, line_of, listed
 
@@ -39,7 +38,7 @@ def check_fmu(
     """
     if not timeout > 0.0:
         raise FmuError(must_be("timeout", "a positive number of seconds", timeout))
-    file = regular_file(path).absolute()  # the process runs in another folder
+    file = path.absolute()  # the process runs in another folder
     with tempfile.TemporaryDirectory(prefix="inertia-module-check-", ignore_cleanup_errors=True) as name:
         journal_file, folder = Path(name, "journal.json"), Path(name, "work")
         folder.mkdir()

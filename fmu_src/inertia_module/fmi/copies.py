@@ -8,11 +8,9 @@ a new copy removes all copies that were not opened for days.
 from __future__ import annotations
 
 import contextlib
-import getpass
 import hashlib
 import os
 import shutil
-import stat
 import tempfile
 import threading
 import time
@@ -43,53 +41,36 @@ def unpacked(content: bytes) -> str:
     Raises:
         FmuError: the content is no FMU, or cannot be unpacked (see archive).
     """
-    name, failures = hashlib.sha256(content).hexdigest()[:32], list[str]()
+    folder = cache_folder().absolute() / "unpacked" / hashlib.sha256(content).hexdigest()[:32]
     with _lock:
-        for place in _places():
-            folder = place / name
+        if not (folder in _checked and folder.is_dir()):
             try:
-                if not (folder in _checked and folder.is_dir()):
-                    _complete(folder, content)
+                _complete(folder, content)
             except OSError as error:
-                failures.append(f"{place}: {error.strerror or error}")
-                continue
+                reason = f"{folder.parent}: {error.strerror or error}"
+                remedy = "INERTIA_MODULE_CACHE names another cache folder"
+                raise FmuError(f"the FMU cannot be unpacked: {reason}; {remedy}") from error
             _checked.add(folder)
-            with contextlib.suppress(OSError):  # the cache may be read-only
-                os.utime(folder)
-            return str(folder)
-    raise FmuError(f"the FMU cannot be unpacked: {'; '.join(failures)}")
-
-
-def _places() -> tuple[Path, ...]:
-    """Return the folders of copies: in the cache and, for a read-only or full cache, with temporary files."""
-    user = str(os.getuid()) if hasattr(os, "getuid") else getpass.getuser()
-    temporary = Path(tempfile.gettempdir()).absolute() / f"inertia-module-{user}"
-    return cache_folder().absolute() / "unpacked", temporary
+        with contextlib.suppress(OSError):  # the cache may be read-only
+            os.utime(folder)
+    return str(folder)
 
 
 def _complete(folder: Path, content: bytes) -> None:
     """Make a copy complete: unpack it if it is missing or damaged."""
-    _make_place(folder.parent)
     with open_archive(content) as archive:
         entries = checked_entries(archive)
         if not is_unpacked(entries, folder):
+            folder.parent.mkdir(parents=True, exist_ok=True)
             _prune(folder.parent)
             _make_copy(archive, entries, folder)
-
-
-def _make_place(place: Path) -> None:
-    """Make a folder of copies, or check that its copies cannot be replaced by another user."""
-    place.mkdir(parents=True, exist_ok=True, mode=0o700)
-    status = place.lstat()
-    if not stat.S_ISDIR(status.st_mode) or (hasattr(os, "getuid") and status.st_uid != os.getuid()):
-        raise PermissionError("not a folder of this user")
 
 
 def _make_copy(archive: zipfile.ZipFile, entries: Sequence[zipfile.ZipInfo], folder: Path) -> None:
     """Unpack a copy next to its place and move it there; another process may do the same at the same time."""
     fresh = Path(tempfile.mkdtemp(prefix=UNFINISHED, dir=folder.parent))
     try:
-        unpack(archive, entries, fresh)
+        unpack(archive, fresh)
         if folder.exists() and not is_unpacked(entries, folder):
             _remove_copy(folder)
         try:

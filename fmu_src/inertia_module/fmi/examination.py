@@ -22,14 +22,14 @@ from fmpy import platform as host
 from fmpy import platform_tuple, sharedLibraryExtension
 from fmpy.validation import validate_fmu
 
-from ..common.errors import FmuError, cannot_read
+from ..common.errors import FmuError, cannot_read, sentence_of
 from .archive import MAX_UNPACKED, ArchiveError, read_archive
 from .copies import unpacked
 from .cosimulation import Array, Plan, Values, run
 from .experiments import FILE_ERRORS, Experiment, experiments
 from .instance import Log, read_description
 from .replay import replay
-from .report import Journal, Report, listed, reason_of
+from .report import Journal, Report, listed
 from .times import Span, span_of
 
 # maximum number of simulated steps of the default experiment
@@ -55,7 +55,7 @@ def examine(path: Path, journal: Journal) -> Report:
     try:
         folder = Path(unpacked(content))
     except ArchiveError as error:
-        report.problems += error.problems
+        report.problems.append(str(error))
         return report
     except FmuError as error:
         raise FmuError(cannot_read(path, error)) from error
@@ -191,7 +191,9 @@ def _simulate(description: Any, folder: Path, journal: Journal, events: bool = F
         plan = Plan(times, outputs, float(tolerance) if tolerance else None, events=events)
         is_over = run(description, str(folder), plan, log, samples.take)
     except Exception as error:
-        report.problems.append(f"{journal.stage} failed: {'; '.join(listed(log.errors)) or reason_of(error)}")
+        report.problems.append(
+            f"{journal.stage} failed: {'; '.join(listed(log.errors)) or sentence_of(error)}"
+        )
         return
     finally:
         report.warnings += listed(log.warnings)
@@ -240,15 +242,6 @@ def _limit_resources(memory: int) -> None:
             resource.setrlimit(kind, (limit, limit))
 
 
-def _file_identity(descriptor: int) -> tuple[int, int] | None:
-    """Return the identity of an open file, or None if it is closed."""
-    try:
-        status = os.fstat(descriptor)
-    except OSError:
-        return None
-    return status.st_dev, status.st_ino
-
-
 def _flush() -> None:
     """Flush the standard output of Python and of C."""
     with contextlib.suppress(OSError, ValueError):
@@ -267,15 +260,13 @@ def main(path: str, file: str, memory: str) -> None:
     """
     _end_with_parent()
     _limit_resources(int(memory))
-    journal, output = Journal(Path(file)), _file_identity(1)
+    journal = Journal(Path(file))
     try:
         examine(Path(path), journal)
     except FmuError as error:
         journal.error = str(error)
     except Exception as error:
-        journal.report.problems.append(f"{journal.stage} failed: {reason_of(error)}")
-    if _file_identity(1) != output:
-        journal.report.problems.append("the FMU closes the standard output of its process")
+        journal.report.problems.append(f"{journal.stage} failed: {sentence_of(error)}")
     journal.is_done = True
     journal.write()
     _flush()

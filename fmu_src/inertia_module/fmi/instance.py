@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from ..common.deprecated import renamed_arguments, renamed_names
 from ..common.errors import FmuError, ParameterError, SimulationTerminated, cannot_read, must_be, unknown
-from ..common.files import read_file
 from ..common.terminal import Progress
 from ..common.units import BOOLEANS, allowed_number, number_of, with_reason
 from ..model import Plant, Run
@@ -29,8 +28,6 @@ RUN = "inertiaModuleRun"
 WARNING, DISCARD = 1, 2
 # status kind of FMI 2.0 for the end of the simulation
 TERMINATED = 3
-# maximum size of an FMU file, bytes
-MAX_FMU_SIZE = 1_000_000_000
 # types of real numbers
 REALS = ("Real", "Float32", "Float64")
 # types whose values are no numbers
@@ -128,7 +125,9 @@ def fmu_content(path: Path | str | None) -> bytes:
     Args:
         path: path of the file; None for the FMU of the module, from the wheel or built on demand.
     """
-    return read_file(fmu_file(path), MAX_FMU_SIZE)
+    from .archive import read_archive
+
+    return read_archive(fmu_file(path))
 
 
 def read_description(path: Path, validate: bool = True) -> Any:

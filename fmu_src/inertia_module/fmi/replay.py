@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import FmuError, unknown
+from ..common.errors import FmuError, sentence_of, unknown
 from .cosimulation import Array, Plan, Values, run
 from .experiments import RELATIVE_DEVIATION, TEXTS, Column, Experiment, Table, read_table, value_of
 from .instance import Log
-from .report import Deviation, Journal, listed, reason_of
+from .report import Deviation, Journal, listed
 from .times import ROUNDING, span_of
 
 # maximum number of steps of an experiment
@@ -40,7 +40,7 @@ def replay(description: Any, folder: Path, journal: Journal, experiment: Experim
         if log.errors:
             raise FmuError("the FMU logs an error")
     except Exception as error:
-        reason = "; ".join(listed(log.errors)) or reason_of(error)
+        reason = "; ".join(listed(log.errors)) or sentence_of(error)
         report.problems.append(f"experiment {experiment.name} failed: {reason}")
         return
     if is_over:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import stat
 import time
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
@@ -17,8 +16,6 @@ from ..common.files import write_atomically
 MAX_MESSAGES = 10
 # maximum length of a printed message, characters
 MAX_LENGTH = 1000
-# maximum size of a journal, bytes; a larger file is not read
-MAX_JOURNAL = 50_000_000
 # minimum time between two writes of the progress, s
 INTERVAL = 0.2
 
@@ -86,17 +83,6 @@ def listed(messages: Iterable[str]) -> list[str]:
     return different[:MAX_MESSAGES] + [f"and {more} more messages"] * (more > 0)
 
 
-def reason_of(error: BaseException) -> str:
-    """Return the reason of a failure as one line.
-
-    Args:
-        error: the error.
-    """
-    if isinstance(error, MemoryError):
-        return "the memory limit is exceeded"
-    return sentence_of(error)
-
-
 class Journal:
     """A report and the progress of the examination, written to a file at each stage.
 
@@ -148,23 +134,18 @@ class Journal:
 
     @classmethod
     def read(cls, file: Path) -> Journal:
-        """Read a journal; return an empty one if the file is missing or no journal.
-
-        An FMU may have replaced the file. Therefore links and pipes are not opened.
+        """Read a journal; return an empty one if the process has not written it yet.
 
         Args:
             file: path of the file.
         """
         journal = cls()
         try:
-            status = file.lstat()
-            if not stat.S_ISREG(status.st_mode) or status.st_size > MAX_JOURNAL:
-                return journal
             state = json.loads(file.read_bytes())
-            report = state.pop("report")
-            report["references"] = [Deviation(**row) for row in report["references"]]
-            journal.report = Report(**report)
-            vars(journal).update(state)
-        except (OSError, ValueError, TypeError, LookupError):
-            return cls()
+        except OSError:
+            return journal
+        report = state.pop("report")
+        report["references"] = [Deviation(**row) for row in report["references"]]
+        journal.report = Report(**report)
+        vars(journal).update(state)
         return journal

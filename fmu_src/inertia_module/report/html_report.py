@@ -41,7 +41,7 @@ from ..scene import Scene, SceneResult
 from ..scene.freewheel_loads import DUTY_NOTE, FREEWHEELS
 from ..scene.headings import heading
 from ..scene.keys import by_dotted_key, in_range
-from ..scene.reading import display_units, speed_unit
+from ..scene.reading import display_units
 from ..scene.run import initial_values
 from ..scene.summary_metrics import input_speed
 from ..scene.summary_text import WIDTH, SummaryWriter, three_digits
@@ -139,10 +139,11 @@ def report_file(
     """
     content = read_file(file, MAX_TEXT_SIZE)
     text = content.decode("utf-8-sig")
-    writer = SummaryWriter(result, display_units(file, keys), WIDTH)
+    units = display_units(file, keys)
+    writer = SummaryWriter(result, units, WIDTH)
     inputs, *parameters = _input_sections(result.scene, text, keys).items()
     sections: dict[str, Part] = dict([inputs])
-    parts = PARTS | {"Orders": partial(_orders, fmu=fmu, speed_unit=speed_unit(file, keys))}
+    parts = PARTS | {"Orders": partial(_orders, fmu=fmu, speed_unit=units.get("rad/s", "rad/s"))}
     for number, (title, make) in enumerate(parts.items()):
         progress(number / len(PARTS))
         try:

@@ -5,10 +5,12 @@ A file with a table [shaft] describes a driven shaft alone, any other file an in
 
 from __future__ import annotations
 
+import contextlib
 import re
 import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterator
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -92,20 +94,6 @@ def as_scene(scene: Scene | Path | str) -> Scene:
     return scene if isinstance(scene, Scene) else load_scene(scene)
 
 
-def speed_unit(path: Path | str, keys: Keys | None = None) -> str:
-    """Return the display unit of the speed of link 1: rpm if the scene contains a speed in rpm, else rad/s.
-
-    Args:
-        path: Path of a scene file that load_scene accepts.
-        keys: Values that replace values of the file, as in load_scene.
-    """
-    values = [
-        *_strings(_tables(Path(path).read_text(encoding="utf-8"))),
-        *map(str, by_dotted_key(keys).values()),
-    ]
-    return "rpm" if any(re.search(r"[\d\s](rpm|1/min)$", value.strip()) for value in values) else "rad/s"
-
-
 # tables of a scene whose units the summary uses, and the quantities by their default unit
 _OPERATION = ("drive", "load", "controller", "freewheels")
 _QUANTITIES = ("rad/s", "N.m", "km/h")
@@ -121,31 +109,16 @@ def display_units(path: Path | str, keys: Keys | None = None) -> dict[str, str]:
     Returns:
         Units by SI unit (speeds of vehicles: by km/h), without quantities that have no unit in the scene.
     """
-    tables = _tables(Path(path).read_text(encoding="utf-8"))
+    tables = _tables(read_text(Path(path)))
     for name, value in by_dotted_key(keys).items():
         tables = with_value(tables, name.split("."), value)
     units = Counter[tuple[str, str]]()
-    for text in _strings([tables.get(name) for name in _OPERATION]):
-        unit = _unit_of(text)
-        units.update((quantity, unit) for quantity in _QUANTITIES if unit and _is_convertible(unit, quantity))
+    for text, quantity in product(_strings([tables.get(name) for name in _OPERATION]), _QUANTITIES):
+        with contextlib.suppress(ValueError):  # another text, or the unit of another quantity
+            unit = split_quantity(text)[1]
+            factor_between(unit, quantity)
+            units[quantity, unit] += 1
     return {quantity: unit for (quantity, unit), _ in reversed(units.most_common())}
-
-
-def _unit_of(text: str) -> str:
-    """Return the unit of a quantity; "" for another text."""
-    try:
-        return split_quantity(text)[1]
-    except ValueError:
-        return ""
-
-
-def _is_convertible(unit: str, target: str) -> bool:
-    """Return True if a unit has the dimension of another unit."""
-    try:
-        factor_between(unit, target)
-    except ValueError:
-        return False
-    return True
 
 
 def _strings(tables: Any) -> Iterator[str]:
