@@ -123,8 +123,6 @@ def loops(a, b, n, x):
         if i == 2:
             continue
         total -= i
-    for i in range(n, -2, -1):
-        total += 0.1 * i
     for _ in range(0, 9, 4):
         total += 1.0
     while total > -50.0:
@@ -176,7 +174,7 @@ def mixed_types(a, b, n, x):
 def pair(a, b):
     """Return two numbers."""
     if a > b:
-        return a, 1
+        return a, 1.0
     return b, 0.5
 
 

@@ -5,10 +5,13 @@ from __future__ import annotations
 import ast
 import math
 import types
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 from .c_types import BOOL, DOUBLE, INT, SCALARS, Array, Record, TupleType, Type, common_type, type_name
 from .python_source import Scope
+
+if TYPE_CHECKING:
+    from .translate import KernelTranslator
 
 # precedence of the operators of C, from low to high
 TERNARY, OR, AND, BIT_AND, EQUALITY, RELATION, SUM, PRODUCT, UNARY, PRIMARY = range(10)
@@ -89,34 +92,6 @@ class Expression(NamedTuple):
         return f"&{self.text}" if self.is_embedded else self.text
 
 
-class Kernel(Protocol):
-    """Definitions that all functions of a kernel share."""
-
-    def constant(self, module: str, name: str, value: object) -> Expression:
-        """Return a constant or a table of a module.
-
-        Args:
-            module: module that defines the constant.
-            name: name in this module.
-            value: a number, or a tuple of numbers.
-        """
-
-    def call(self, function: types.FunctionType, arguments: tuple[Type, ...]) -> tuple[str, Type]:
-        """Return the name of a function in C, and the type of its result, for types of its arguments.
-
-        Args:
-            function: the function.
-            arguments: types of its arguments.
-        """
-
-    def tuple_name(self, kind: TupleType) -> str:
-        """Return the name of the struct of a tuple.
-
-        Args:
-            kind: type of the tuple.
-        """
-
-
 def variable_name(name: str) -> str:
     """Return the name of a variable in C.
 
@@ -135,7 +110,7 @@ class Expressions:
         variables: types of its variables by name; a variable is missing until its type is determined.
     """
 
-    def __init__(self, kernel: Kernel, scope: Scope, variables: dict[str, Type]) -> None:
+    def __init__(self, kernel: KernelTranslator, scope: Scope, variables: dict[str, Type]) -> None:
         self.kernel, self.scope, self.variables = kernel, scope, variables
 
     def translate(self, node: ast.expr) -> Expression:
@@ -177,22 +152,6 @@ class Expressions:
             )
         return expression
 
-    def literal_tuple(self, node: ast.Tuple, kind: Type = None) -> Expression:
-        """Return the translation of a tuple.
-
-        Args:
-            node: the tuple.
-            kind: type of the tuple; None for the types of its items.
-        """
-        items = [self.translate(item) for item in node.elts]
-        literal_kind = TupleType(tuple(item.type for item in items))
-        if kind is None or None in literal_kind.items:
-            kind = literal_kind
-        if not isinstance(kind, TupleType):
-            raise self.scope.reject(node, f"{ast.unparse(node)} must not be a tuple")
-        name = self.kernel.tuple_name(kind)
-        return Expression(f"({name}){{{', '.join(item.value for item in items)}}}", PRIMARY, kind)
-
     def _constant(self, node: ast.Constant) -> Expression:
         if isinstance(node.value, bool):
             return Expression(str(node.value).lower(), PRIMARY, BOOL)
@@ -231,7 +190,12 @@ class Expressions:
         return Expression(f"{base.within(PRIMARY)}[{index.text}]", PRIMARY, kind, isinstance(kind, Record))
 
     def _tuple(self, node: ast.Tuple) -> Expression:
-        return self.literal_tuple(node)
+        items = [self.translate(item) for item in node.elts]
+        kind = TupleType(tuple(item.type for item in items))
+        if None in kind.items:  # the next pass determines the types
+            return Expression("", PRIMARY, None)
+        name = self.kernel.tuple_name(kind)
+        return Expression(f"({name}){{{', '.join(item.value for item in items)}}}", PRIMARY, kind)
 
     def _unaryop(self, node: ast.UnaryOp) -> Expression:
         operand = self.scalar(node.operand)

@@ -7,11 +7,15 @@ import itertools
 import re
 import textwrap
 import types
+from typing import TYPE_CHECKING
 
-from .c_expression import ARITHMETIC, PRIMARY, RELATION, Expression, Expressions, Kernel, variable_name
+from .c_expression import ARITHMETIC, PRIMARY, RELATION, Expression, Expressions, variable_name
 from .c_types import INT, VOID, Array, Record, TupleType, Type, common_type, declaration
 from .evaluation_order import Memory, called_function, check_order
 from .python_source import LOCAL, Comment, Scope, mentions, source_file, stored_names
+
+if TYPE_CHECKING:
+    from .translate import KernelTranslator
 
 WIDTH = 110
 INDENT = "    "
@@ -102,7 +106,9 @@ class FunctionTranslator:
         result: type of its result; None if it returns nothing.
     """
 
-    def __init__(self, kernel: Kernel, function: types.FunctionType, arguments: tuple[Type, ...]) -> None:
+    def __init__(
+        self, kernel: KernelTranslator, function: types.FunctionType, arguments: tuple[Type, ...]
+    ) -> None:
         self.scope = Scope(function)
         self.kernel = kernel
         self.comments: dict[int, Comment] = source_file(function.__module__).comments
@@ -193,9 +199,6 @@ class FunctionTranslator:
         self._block(statements)
         self.depth -= 1
 
-    def _pass(self, statement: ast.Pass) -> None:
-        """Emit nothing."""
-
     def _break(self, statement: ast.Break) -> None:
         self._emit("break;")
 
@@ -212,8 +215,6 @@ class FunctionTranslator:
             return self._emit("return;")
         value = self.expressions.translate(statement.value)
         self.result = common_type(self.result, value.type)
-        if isinstance(statement.value, ast.Tuple):  # all returns have the same type
-            value = self.expressions.literal_tuple(statement.value, self.result)
         return self._emit(f"return {value.value};")
 
     def _condition(self, node: ast.expr) -> str:
@@ -247,7 +248,7 @@ class FunctionTranslator:
         end, end_node = (bounds[1], call.args[1]) if len(bounds) > 1 else (bounds[0], call.args[0])
         step = self._constant_step(call)
         end_text = end.within(RELATION + 1)
-        if self._may_change(end_node, statement.body):
+        if not end.text.isdecimal() and self._may_change(end_node, statement.body):
             end_text = self._new_name("end")
             self._emit(f"const int64_t {end_text} = {end.text};")
         self.variables[target.id] = common_type(self.variables.get(target.id), INT)
@@ -256,40 +257,32 @@ class FunctionTranslator:
         # a variable that is used after the loop keeps its last value, as in Python
         is_counter = is_declared and target.id not in stored_names(*statement.body)
         counter = name if is_counter else self._new_name("n")
-        relation = "<" if step > 0 else ">"
-        move = f"{counter}{'++' if step == 1 else '--' if step == -1 else f' += {step}'}"
-        self._emit(f"for (int64_t {counter} = {start}; {counter} {relation} {end_text}; {move}) {{")
+        move = f"{counter}{'++' if step == 1 else f' += {step}'}"
+        self._emit(f"for (int64_t {counter} = {start}; {counter} < {end_text}; {move}) {{")
         if not is_counter and target.id != "_":
             self._emit(f"{INDENT}{'int64_t ' * is_declared}{name} = {counter};")
         self._inner_block(statement.body)
         self._emit("}")
 
     def _constant_step(self, call: ast.Call) -> int:
-        """Return the step of a range, a constant other than 0."""
-        if len(call.args) < 3:
-            return 1
-        node = call.args[2]
-        step = self.scope.look_up(node)
-        if step is LOCAL:
-            text = self.expressions.translate(node).text  # of a literal or the length of a table a number
-            step = int(text) if re.fullmatch(r"-?\d+", text) else None
-        if not isinstance(step, int) or step == 0:
+        """Return the step of a range, a constant of at least 1."""
+        node = call.args[2] if len(call.args) == 3 else ast.Constant(1)
+        step = node.value if isinstance(node, ast.Constant) else self.scope.look_up(node)
+        if type(step) is not int or step < 1:
             raise self.scope.reject(
-                call, f"the step {ast.unparse(node)} must be an integer constant other than 0"
+                call, f"the step {ast.unparse(node)} must be an integer constant of at least 1"
             )
         return step
 
     def _may_change(self, bound: ast.expr, body: list[ast.stmt]) -> bool:
         """Return True if the bound of a loop may change within it; Python evaluates it once."""
         stored = set(stored_names(*body))
-        for part in ast.walk(bound):
-            if isinstance(part, ast.Call):
-                return not (isinstance(part.func, ast.Name) and part.func.id == "len" and part is bound)
-            if isinstance(part, Memory) and self.scope.look_up(part) is LOCAL:
-                return True
-            if isinstance(part, ast.Name) and part.id in stored:
-                return True
-        return False
+        return any(
+            isinstance(part, ast.Call)
+            or (isinstance(part, Memory) and self.scope.look_up(part) is LOCAL)
+            or (isinstance(part, ast.Name) and part.id in stored)
+            for part in ast.walk(bound)
+        )
 
     def _augassign(self, statement: ast.AugAssign) -> None:
         operation = ast.BinOp(_as_load(statement.target), statement.op, statement.value)

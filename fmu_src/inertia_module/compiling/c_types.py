@@ -64,12 +64,6 @@ def common_type(first: Type, second: Type) -> Type:
         return second if first is None else first
     if isinstance(first, str) and isinstance(second, str) and VOID not in (first, second):
         return SCALARS[max(SCALARS.index(first), SCALARS.index(second), SCALARS.index(INT))]
-    if (
-        isinstance(first, TupleType)
-        and isinstance(second, TupleType)
-        and len(first.items) == len(second.items)
-    ):
-        return TupleType(tuple(map(common_type, first.items, second.items)))
     raise TypeError(f"no type holds the values of both {type_name(first)} and {type_name(second)}")
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from ..common.files import PACKAGE_FOLDER, write_text
 from ..interface.models import DRIVEN_SHAFT, INERTIA_MODULE, Model
-from .c_types import BOOL, DOUBLE, INT, Array, Record, TupleType, Type
+from .c_types import Array, Record, Type
 from .translate import KernelTranslator, record_names
 
 PATH = PACKAGE_FOLDER / "kernel" / "records.pyi"
@@ -31,7 +31,6 @@ class Records(Generic[_Record]):
 """
 # prefixes of the names of records
 PREFIXES = {INERTIA_MODULE: "", DRIVEN_SHAFT: "Shaft"}
-SCALAR_NAMES = {BOOL: "bool", INT: "int", DOUBLE: "float"}
 
 
 def class_name(record: Record, model: Model) -> str:
@@ -46,24 +45,20 @@ def class_name(record: Record, model: Model) -> str:
 
 
 def annotation(kind: Type, model: Model) -> str:
-    """Return the annotation of a type.
+    """Return the annotation of a field.
 
     Args:
-        kind: the type.
-        model: model of the type.
+        kind: type of the field.
+        model: model of its record.
     """
     match kind:
         case Record():
             return class_name(kind, model)
         case Array(element=Record() as element):
             return f"Records[{class_name(element, model)}]"
-        case Array(is_constant=True, element=element):
-            return f"tuple[{SCALAR_NAMES[str(element)]}, ...]"
         case Array():
             return "Doubles"
-        case TupleType():
-            return f"tuple[{', '.join(annotation(item, model) for item in kind.items)}]"
-    return SCALAR_NAMES.get(str(kind), "None")
+    return "float"
 
 
 def stub() -> str:

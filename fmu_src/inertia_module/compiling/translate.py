@@ -142,7 +142,7 @@ class KernelTranslator:
             kind: type of the tuple.
         """
         name = type_name(kind)
-        if name not in self.structs and None not in kind.items:
+        if name not in self.structs:
             lines = [f"{INDENT}{declaration(item, f'item{n}')};" for n, item in enumerate(kind.items)]
             self.structs[name] = "\n".join(["typedef struct {", *lines, f"}} {name};", ""])
         return name

@@ -9,7 +9,6 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ..common.errors import sentence_of
 from ..common.files import write_atomically
 
 # maximum number of listed messages of one kind

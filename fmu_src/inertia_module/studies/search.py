@@ -320,16 +320,13 @@ class DesignSearch:
         if not free:
             return self.rows_at(shares[None])
         rows, scale, margin = list[Row](), abs(cost(best)) or 1.0, self.spec.search.margin
-        evaluated: dict[bytes, Row] = {}
 
         def row_at(x: Array) -> Row:
             """Return the design with these fractions of the continuous keys."""
-            if x.tobytes() not in evaluated:
-                design = shares.copy()
-                design[free] = np.clip(x, 0.0, 1.0)
-                evaluated[x.tobytes()] = row = self.rows_at(design[None])[0]
-                rows.append(row)
-            return evaluated[x.tobytes()]
+            design = shares.copy()
+            design[free] = np.clip(x, 0.0, 1.0)
+            rows.extend(self.rows_at(design[None]))
+            return rows[-1]
 
         def objective(x: Array) -> float:
             """Return the cost over the cost of the start."""

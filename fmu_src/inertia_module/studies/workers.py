@@ -7,7 +7,6 @@ several workers, its points run alone, and the point that ends workers counts as
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 import logging
 import math
@@ -18,7 +17,6 @@ import warnings
 import weakref
 from collections import deque
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from multiprocessing import resource_tracker
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -27,7 +25,6 @@ from typing import Any
 import dask
 import distributed
 from distributed import Client, LocalCluster, Worker, WorkerPlugin, get_worker, wait
-from distributed.core import rpc
 from distributed.scheduler import KilledWorker
 from distributed.versions import VersionMismatchWarning
 
@@ -144,9 +141,7 @@ def _local_cluster(workers: int | None) -> Iterator[LocalCluster]:
     """Start worker processes on this machine, by default one per core."""
     # The profiler of the workers is not used and takes a fifth of the time of a short run.
     settings = dask.config.set({"distributed.worker.profile.enabled": False})
-    with contextlib.ExitStack() as stack:
-        stack.enter_context(settings)
-        stack.enter_context(_hide_main())
+    with settings, _hide_main(), contextlib.ExitStack() as stack:
         with _defer_interrupts():
             cluster = LocalCluster(
                 n_workers=workers,
@@ -183,19 +178,10 @@ def _connect(cluster: LocalCluster | str) -> Client:
     except OSError:
         raise
     except Exception as error:
-        with ThreadPoolExecutor(1) as thread:  # the thread of a notebook has an event loop
-            version = thread.submit(asyncio.run, _version_at(address)).result()
-        demand = must_be(f"version of distributed at {address}", distributed.__version__, version)
-        raise ClusterError(f"{demand}: {sentence_of(error)}") from None
-
-
-async def _version_at(scheduler: str) -> str:
-    """Return the version of distributed of a scheduler, or "another version"."""
-    with contextlib.suppress(Exception):
-        async with rpc(scheduler) as remote:
-            versions = await remote.versions(packages=[])
-            return str(versions["packages"]["distributed"])
-    return "another version"
+        version = f"it must have version {distributed.__version__} of distributed, like this client"
+        raise ClusterError(
+            f"cannot use the scheduler at {address} ({version}): {sentence_of(error)}"
+        ) from None
 
 
 @contextlib.contextmanager
