@@ -47,7 +47,7 @@ def test_kinematic_motion_agrees_with_a_shaft_of_huge_inertia(compiled, scene, r
         advanced(module, 0.02, 0.03)
     assert prescribed["energy_lost_windage"] > 0.0
     for name in (*scenes.ACCOUNTS, *scenes.MEANS[:3], "drive_angle", "energy_in", "satellite_force"):
-        assert prescribed[name] == pytest.approx(rigid[name], rel=2e-5), name
+        assert prescribed[name] == pytest.approx(rigid[name], rel=5e-6), name
 
 
 @pytest.mark.parametrize("load", [5000.0, 0.01, -1.0])
