@@ -49,8 +49,9 @@ test: $(VENV)/.test ## run the fast tests
 	$(BIN)/python -m tests.ready & $(BIN)/python viewer/make.py; made=$$?; wait; exit $$made
 	$(BIN)/python $(TESTS) -m "not slow"
 
-test-long: $(VENV)/.all page ## run the slow tests
-	$(BIN)/python $(TESTS) -m slow
+SLOW ?= tests
+test-long: $(VENV)/.all page ## run the slow tests (of a folder: SLOW=tests/native)
+	$(BIN)/python $(TESTS) -m slow $(SLOW)
 
 test-all: test test-long ## run all tests
 

@@ -42,8 +42,8 @@ MODULE = dict(levels())
 SHAFT = {
     "shaft": {},
     "linear": {"input_hold": 1},
-    "stiff": {"shaft_stiffness": 1e8, "driven_inertia": 1e-6},
-    "soft": {"shaft_stiffness": 1e-2, "shaft_damping": 1e3},
+    "stiff": {"shaft_stiffness": 1e8, "driven_inertia": 1e-9},
+    "soft": {"shaft_stiffness": 1e-2, "shaft_damping": 1e5},
 }
 CASES = [
     pytest.param(name, settings, id=f"{name}-{case}")

@@ -439,6 +439,7 @@ def _as_in_module(reference: int, of_module: str, text: str = "", **columns: Any
 
 
 # Variables of the driven shaft. Hub and driven mass start at rest, because a jump of the hub speed is a shock.
+# Its motion is exact, so some of its ranges are wider than in the module.
 OF_SHAFT: tuple[Variable, ...] = (
     _as_in_module(0, "omega1", "speed of the hub, the driven end of the shaft", name="hub_speed", start=0.0),
     _as_in_module(1, "load_torque", "torque of the load on the driven mass, positive against positive speed", start=0.0),
@@ -452,10 +453,10 @@ OF_SHAFT: tuple[Variable, ...] = (
     _as_in_module(9, "energy_stored", "energy stored in the model: kinetic (driven mass) and elastic (shaft)"),
     _as_in_module(10, "energy_lost", "energy lost to damping and friction since the start, minus the work of the balancer"),
     _as_in_module(11, "energy_residual", "energy balance error (round-off only): energy_in - energy_out - energy_lost - change in stored energy"),
-    _as_in_module(12, "driven_inertia"),
+    _as_in_module(12, "driven_inertia", minimum=1e-9),
     _as_in_module(13, "shaft_stiffness", "stiffness c of the shaft"),
-    _as_in_module(14, "shaft_damping", "damping d of the shaft"),
-    _as_in_module(15, "driven_friction"),
+    _as_in_module(14, "shaft_damping", "damping d of the shaft", maximum=1e5),
+    _as_in_module(15, "driven_friction", maximum=1e5),
     _as_in_module(16, "balancer", "gain beta of the balancer, which applies beta J4 times the hub acceleration to the driven mass", idle=True),
     _as_in_module(17, "input_hold", "extrapolation of hub_speed between communication points", idle=True),
     _as_in_module(18, "omega_out_start", "initial speed of the driven mass"),

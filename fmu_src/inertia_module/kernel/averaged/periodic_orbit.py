@@ -30,6 +30,8 @@ MAX_PERIODS = 30
 OMEGA2_ATOL = 1e-5
 # Energy gain that counts as 0, over the kinetic energy, and allowed relative error of the mean input speed
 ENERGY_RTOL = 1e-4
+# Number of corrections of the input torque before the secant method extrapolates them, and its maximum factor
+N_PLAIN_CORRECTIONS, MAX_SECANT_FACTOR = 12, 10.0
 # Maximum internal steps of a period, and evaluations of the equations of motion for a map
 MAX_STEPS = 200000
 MAX_EVALUATIONS = 6e7
@@ -236,6 +238,19 @@ def input_angle(x: State) -> float:
     return x.theta1 - x.begin_theta1 + TWO_PI * (x.input_turns - x.begin_input_turns)
 
 
+def correction_factor(corrections: int, change: float, reduction: float) -> float:
+    """Return the factor of a correction of the input torque: 1, or later the factor of the secant method.
+
+    Args:
+        corrections: Number of previous corrections.
+        change: Last change of the torque, N m.
+        reduction: Decrease of the missing torque by this change, N m.
+    """
+    if corrections < N_PLAIN_CORRECTIONS or reduction == 0.0:
+        return 1.0
+    return min(max(change / reduction, 1.0), MAX_SECANT_FACTOR)
+
+
 def find_orbit(d: Constants, x: State, w: Workspace, omega1: float, ratio: float, length: float) -> float:
     """Find the periodic orbit at a mean input speed and a ratio. The state then holds the sums of its period.
 
@@ -259,6 +274,8 @@ def find_orbit(d: Constants, x: State, w: Workspace, omega1: float, ratio: float
     low, high = 0.0, speed
     gain = loss = 0.0
     begin, begin1 = 0.0, omega1
+    corrections = 0
+    last_torque = last_missing = 0.0
     guesses = 0
     x.play_housing = 0.0
     x.play_output = d.output_engagement_angle
@@ -268,17 +285,30 @@ def find_orbit(d: Constants, x: State, w: Workspace, omega1: float, ratio: float
         begin_energy = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0)
         time = integrate_period(d, x, w, length)
         d.map_evaluations += x.step_evaluations
-        if time < 0.0 or d.map_evaluations > MAX_EVALUATIONS:
+        if d.map_evaluations > MAX_EVALUATIONS:
             return -1.0
+        turned = input_angle(x)
+        gained = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0) - begin_energy
+        if time < 0.0:
+            # Losses nearly stop link 1 within the period, because the torque is too small
+            if d.by_torque == 0.0 or w.orbit_torque != 0.0 or turned * omega1 <= 0.0:
+                return -1.0
+            w.orbit_torque -= gained / turned
+            continue
         end = min(x.omega2, speed)
         change = end - begin
         if d.by_torque != 0.0:
-            turned = input_angle(x)
-            gained = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0) - begin_energy
             scale = omega1 * time / turned
             is_periodic = abs(gained) <= ENERGY_RTOL * w.orbit_energy and abs(scale - 1.0) <= ENERGY_RTOL
             if not is_periodic:
-                w.orbit_torque = (w.orbit_torque - gained / turned) * scale * scale
+                # Torque and energy scale with the square of the speed. Losses that grow with the torque
+                # reduce the effect of a correction
+                missing = -gained / turned * scale * scale
+                torque = w.orbit_torque * scale * scale
+                factor = correction_factor(corrections, torque - last_torque, last_missing - missing)
+                corrections += 1
+                last_torque, last_missing = torque, missing
+                w.orbit_torque = torque + missing * factor
                 begin1 *= scale
                 begin = end
                 continue
