@@ -30,8 +30,8 @@ MAX_PERIODS = 30
 OMEGA2_ATOL = 1e-5
 # Energy gain that counts as 0, over the kinetic energy, and allowed relative error of the mean input speed
 ENERGY_RTOL = 1e-4
-# Corrections of the input torque after which the secant method extrapolates them; maximum factor of one
-SLOW_CORRECTIONS, MAX_GAIN = 12, 10.0
+# Number of corrections of the input torque before the secant method extrapolates them, and its maximum factor
+N_PLAIN_CORRECTIONS, MAX_SECANT_FACTOR = 12, 10.0
 # Maximum internal steps of a period, and evaluations of the equations of motion for a map
 MAX_STEPS = 200000
 MAX_EVALUATIONS = 6e7
@@ -239,16 +239,16 @@ def input_angle(x: State) -> float:
 
 
 def correction_factor(corrections: int, change: float, reduction: float) -> float:
-    """Return the factor of a correction of the input torque: 1, by the secant method after many corrections.
+    """Return the factor of a correction of the input torque: 1, or later the factor of the secant method.
 
     Args:
-        corrections: number of corrections before
-        change: last change of the torque, N m
-        reduction: decrease of the missing torque by this change, N m
+        corrections: Number of previous corrections.
+        change: Last change of the torque, N m.
+        reduction: Decrease of the missing torque by this change, N m.
     """
-    if corrections < SLOW_CORRECTIONS or reduction == 0.0:
+    if corrections < N_PLAIN_CORRECTIONS or reduction == 0.0:
         return 1.0
-    return min(max(change / reduction, 1.0), MAX_GAIN)
+    return min(max(change / reduction, 1.0), MAX_SECANT_FACTOR)
 
 
 def find_orbit(d: Constants, x: State, w: Workspace, omega1: float, ratio: float, length: float) -> float:
@@ -290,7 +290,7 @@ def find_orbit(d: Constants, x: State, w: Workspace, omega1: float, ratio: float
         turned = input_angle(x)
         gained = kinetic_energy(d, x.q, x.omega1, x.omega2, 0.0) - begin_energy
         if time < 0.0:
-            # Losses nearly stop link 1 within the period: the torque is too small.
+            # Losses nearly stop link 1 within the period, because the torque is too small
             if d.by_torque == 0.0 or w.orbit_torque != 0.0 or turned * omega1 <= 0.0:
                 return -1.0
             w.orbit_torque -= gained / turned
@@ -302,7 +302,7 @@ def find_orbit(d: Constants, x: State, w: Workspace, omega1: float, ratio: float
             is_periodic = abs(gained) <= ENERGY_RTOL * w.orbit_energy and abs(scale - 1.0) <= ENERGY_RTOL
             if not is_periodic:
                 # Torque and energy scale with the square of the speed. Losses that grow with the torque
-                # reduce the effect of a correction.
+                # reduce the effect of a correction
                 missing = -gained / turned * scale * scale
                 torque = w.orbit_torque * scale * scale
                 factor = correction_factor(corrections, torque - last_torque, last_missing - missing)
