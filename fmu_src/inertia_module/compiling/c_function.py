@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from .c_expression import ARITHMETIC, PRIMARY, RELATION, Expression, Expressions, variable_name
 from .c_types import INT, VOID, Array, Record, TupleType, Type, common_type, declaration
 from .evaluation_order import Memory, called_function, check_order
-from .python_source import LOCAL, Comment, Scope, mentions, source_file, stored_names
+from .python_source import LOCAL, Scope, mentions, source_file, stored_names
 
 if TYPE_CHECKING:
     from .translate import KernelTranslator
@@ -111,7 +111,7 @@ class FunctionTranslator:
     ) -> None:
         self.scope = Scope(function)
         self.kernel = kernel
-        self.comments: dict[int, Comment] = source_file(function.__module__).comments
+        self.comments = source_file(function.__module__).comments
         self.result: Type = None
         signature = self.scope.tree.args
         if signature.defaults or signature.vararg or signature.kwarg or signature.kwonlyargs:
@@ -169,10 +169,9 @@ class FunctionTranslator:
 
     def _block(self, statements: list[ast.stmt]) -> None:
         for statement in statements:
-            self._emit_comments(statement.lineno)
-            comment = self.comments.get(statement.lineno)
-            if comment is not None:
-                self._emit(f"/* {comment.text} */")
+            for line in range(self.last_line + 1, statement.lineno + 1):
+                if line in self.comments:
+                    self._emit(f"/* {self.comments[line]} */")
             self.last_line = statement.lineno
             method = getattr(self, f"_{type(statement).__name__.lower()}", None)
             if method is None or (getattr(statement, "orelse", None) and not isinstance(statement, ast.If)):
@@ -186,13 +185,6 @@ class FunctionTranslator:
                 raise self.scope.reject(statement, str(error)) from None
             if not isinstance(statement, ast.If | ast.While | ast.For):
                 self.last_line = statement.end_lineno or statement.lineno
-
-    def _emit_comments(self, line: int) -> None:
-        """Emit the comments that stand alone between the last statement and a line."""
-        for number in range(self.last_line + 1, line):
-            comment = self.comments.get(number)
-            if comment is not None and comment.is_alone:
-                self._emit(f"/* {comment.text} */")
 
     def _inner_block(self, statements: list[ast.stmt]) -> None:
         self.depth += 1

@@ -22,30 +22,18 @@ class KernelLanguageError(CompilationError):
     """A construct of Python is outside the language of the kernel; the message contains file and line."""
 
 
-class Comment(NamedTuple):
-    """A comment.
-
-    Attributes:
-        text: text without the sign #.
-        is_alone: True if the line contains nothing else.
-    """
-
-    text: str
-    is_alone: bool
-
-
 class SourceFile(NamedTuple):
     """A file of Python.
 
     Attributes:
         path: path of the file.
         tree: syntax tree.
-        comments: comments by line number.
+        comments: comments without the sign #, by line number.
     """
 
     path: Path
     tree: ast.Module
-    comments: dict[int, Comment]
+    comments: dict[int, str]
 
 
 @functools.cache
@@ -60,8 +48,7 @@ def source_file(module: str) -> SourceFile:
     comments = {}
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         if token.type == tokenize.COMMENT and "fmt:" not in token.string:
-            is_alone = not token.line[: token.start[1]].strip()
-            comments[token.start[0]] = Comment(token.string.lstrip("# ").replace("*/", "* /"), is_alone)
+            comments[token.start[0]] = token.string.lstrip("# ").replace("*/", "* /")
     return SourceFile(path, ast.parse(text), comments)
 
 

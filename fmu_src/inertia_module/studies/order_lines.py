@@ -9,8 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-from ..common.units import factor_between, printed_unit
-
 if TYPE_CHECKING:
     from .order_result import Orders
 
@@ -181,29 +179,3 @@ def _line(orders: Orders, name: str, track: Array) -> tuple[Line, int]:
         phase=float(np.angle(peaks[at])),
     )
     return line, at
-
-
-def line_texts(
-    lines_by_signal: dict[str, list[Line]], units: dict[str, str], hz: bool, speed_unit: str
-) -> dict[str, dict[str, str]]:
-    """Return lines as texts, by signal and order.
-
-    Args:
-        lines_by_signal: Lines, by signal.
-        units: Units, by signal.
-        hz: True to add frequencies, and for speeds in rpm.
-        speed_unit: Unit of speeds of link 1.
-    """
-    unit_of_speed = "rpm" if hz else speed_unit
-    factor = factor_between("rad/s", unit_of_speed)
-    texts: dict[str, dict[str, str]] = {}
-    for name, lines in lines_by_signal.items():
-        unit, rows = printed_unit(units[name]), texts.setdefault(name, {})
-        for line in lines:
-            span = f"{line.low:.4g} to {line.high:.4g}"
-            order = f"{line.order:.4g}" if line.low == line.high else span
-            place = f"{line.speed * factor:.4g} {unit_of_speed}"
-            place += f", {line.frequency:.4g} Hz" if hz else ""
-            maximum = f"maximum {line.greatest:.4g} {unit} at {place}"
-            rows[f"order {order}"] = f"{line.amplitude:.4g} {unit}, {maximum}"
-    return texts

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from ..common.equality import ByContent
 from ..common.errors import listed
 from ..common.files import write_text
-from ..common.units import factor_between
+from ..common.units import factor_between, printed_unit
 from ..fmi.results import write_columns, write_mat
-from .order_lines import BANDWIDTH, PADDING, ROUNDING, Array, Line, line_texts, lines_of
+from .order_lines import BANDWIDTH, PADDING, ROUNDING, Array, Line, lines_of
 
 # reference angles of orders
 LINK1, DRIVE = "link1", "drive_angle"
@@ -113,7 +113,19 @@ class Orders(ByContent):
             hz: True to add frequencies, and for speeds in rpm.
             speed_unit: Unit of speeds of link 1.
         """
-        return line_texts(self.largest(number), self.units, hz, speed_unit)
+        unit_of_speed = "rpm" if hz else speed_unit
+        factor = factor_between("rad/s", unit_of_speed)
+        texts: dict[str, dict[str, str]] = {}
+        for name, lines in self.largest(number).items():
+            unit, rows = printed_unit(self.units[name]), texts.setdefault(name, {})
+            for line in lines:
+                span = f"{line.low:.4g} to {line.high:.4g}"
+                order = f"{line.order:.4g}" if line.low == line.high else span
+                place = f"{line.speed * factor:.4g} {unit_of_speed}"
+                place += f", {line.frequency:.4g} Hz" if hz else ""
+                maximum = f"maximum {line.greatest:.4g} {unit} at {place}"
+                rows[f"order {order}"] = f"{line.amplitude:.4g} {unit}, {maximum}"
+        return texts
 
     def as_dict(self) -> dict[str, object]:
         """Return the main lines of each signal, for JSON."""

@@ -81,7 +81,7 @@ def loss_signs(d: Constants, x: State, t: float) -> tuple[float, float]:
     """
     prescribe_motion(d, x, t)
     x.step_evaluations += 1.0
-    return d.machine.flow_sign, d.machine.spin_signs if d.satellite_loss != 0.0 else 0.0
+    return d.machine.flow_sign, d.machine.tau6_signs if d.satellite_loss != 0.0 else 0.0
 
 
 def has_signs(d: Constants, x: State, t: float, flow: float, spin: float) -> bool:
