@@ -455,12 +455,6 @@ def test_files_outside_the_fmu_are_not_read(fmu, tmp_path, cache, place):
     assert SECRET not in str(report)
 
 
-def test_a_table_without_bound_is_not_read(fmu, monkeypatch):
-    content = "time,y\n" + "0,0\n" * 26_000_000
-    (problem,) = examined(fmu(files=references(content))).problems
-    assert problem.endswith("results.csv: its size must be at most 100 MB (got 104 MB)")
-
-
 # --- archives ---
 
 
