@@ -402,8 +402,8 @@ class Fmu(Plant, Closing):
         """
         calls: dict[str, dict[int, float]] = {}
         for variable, value in [(self._variable(name), value) for name, value in values.items()]:
-            kind = float if variable.type in REALS else {"Boolean": bool}.get(variable.type, int)
-            number = kind(to_number(variable, value))
+            convert = float if variable.type in REALS else {"Boolean": bool}.get(variable.type, int)
+            number = convert(to_number(variable, value))
             calls.setdefault(variable.type, {})[variable.valueReference] = number
         for kind, numbers in calls.items():
             self._call(f"set{kind}", list(numbers), list(numbers.values()))
