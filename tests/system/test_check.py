@@ -469,7 +469,7 @@ def test_entry_outside_its_folder_is_a_problem(tmp_path, cache, name):
         f"the path of an entry must be a relative path with forward slashes and without '..' (got {name!r})"
     )
     assert examined(path).problems == [words]
-    assert not cache.exists() or list(cache.iterdir()) == []
+    assert not cache.exists()
 
 
 def bomb(path, files):
@@ -487,7 +487,7 @@ def test_archive_of_more_than_a_gigabyte_is_rejected_before_unpacking(tmp_path, 
     path = bomb(tmp_path / "a.fmu", 7)
     (problem,) = examined(path).problems
     assert problem == "unpacked size must be at most 1 GB (got 1.05 GB)"
-    assert list(cache.iterdir()) == []
+    assert not cache.exists()
 
 
 def test_entry_larger_than_its_declared_size_is_rejected(tmp_path, cache):
