@@ -239,18 +239,14 @@ def test_event_mode_and_early_returns_are_tried_too(fmu):
     code = EARLY.format("early_allowed && step > 0.009")
     report = examined(fmu(code, fmi=3, more='hasEventMode="true"'))
     assert report.problems == []
-    assert report.facts["simulated"] == report.facts["simulated with event mode"] == "1 s in 100 steps"
+    assert report.facts["simulated"] == "1 s in 100 steps"
+    assert report.facts["simulated with event mode"] == "1 s in 200 steps"
     assert report.outputs["count"] == 200.0
 
 
-def test_too_early_return_is_a_problem(fmu):
+def test_early_return_without_permission_is_a_problem(fmu):
     (problem,) = examined(fmu(EARLY.format("time > 0.5"), fmi=3)).problems
     assert problem.endswith("the step returns early, but early return is not allowed")
-    code = "if (early_allowed) { is_early = true; early_time = time; }"
-    (problem,) = examined(fmu(code, fmi=3, more='hasEventMode="true"')).problems
-    assert problem == (
-        "simulation with event mode to 1 s failed: at time 0 s: the step to 0.01 s returns early 10000 times"
-    )
 
 
 def test_model_exchange_is_stepped_and_its_references_are_not_replayed(fmu):
@@ -459,12 +455,6 @@ def test_files_outside_the_fmu_are_not_read(fmu, tmp_path, cache, place):
     assert SECRET not in str(report)
 
 
-def test_a_table_without_bound_is_not_read(fmu, monkeypatch):
-    content = "time,y\n" + "0,0\n" * 26_000_000
-    (problem,) = examined(fmu(files=references(content))).problems
-    assert problem.endswith("results.csv: its size must be at most 100 MB (got 104 MB)")
-
-
 # --- archives ---
 
 
@@ -479,7 +469,7 @@ def test_entry_outside_its_folder_is_a_problem(tmp_path, cache, name):
         f"the path of an entry must be a relative path with forward slashes and without '..' (got {name!r})"
     )
     assert examined(path).problems == [words]
-    assert not cache.exists() or list(cache.iterdir()) == []
+    assert not cache.exists()
 
 
 def bomb(path, files):
@@ -497,7 +487,7 @@ def test_archive_of_more_than_a_gigabyte_is_rejected_before_unpacking(tmp_path, 
     path = bomb(tmp_path / "a.fmu", 7)
     (problem,) = examined(path).problems
     assert problem == "unpacked size must be at most 1 GB (got 1.05 GB)"
-    assert list(cache.iterdir()) == []
+    assert not cache.exists()
 
 
 def test_entry_larger_than_its_declared_size_is_rejected(tmp_path, cache):

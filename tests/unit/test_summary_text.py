@@ -248,6 +248,12 @@ def test_units_are_those_of_the_operation_in_the_scene(tmp_path):
     assert group(lines, "Torque") == "output mean 14.0 lbf·ft (peak 75.3)   input mean 1.73 lbf·ft"
 
 
+def test_units_of_a_scene_with_a_byte_order_mark(tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_text(example("reference").read_text(encoding="utf-8"), encoding="utf-8-sig")
+    assert display_units(file) == display_units(example("reference"))
+
+
 @pytest.mark.parametrize(
     "value, text",
     [

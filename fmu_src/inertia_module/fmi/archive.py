@@ -1,4 +1,4 @@
-"""Archives of FMUs: checks of their entries, unpacking, and reading within limits."""
+"""Archives of FMUs: checks of their entries, unpacking, and reading of unpacked files."""
 
 from __future__ import annotations
 
@@ -15,8 +15,6 @@ from ..common.files import read_file
 
 # maximum size of an archive and of its unpacked content, bytes
 MAX_UNPACKED = 1_000_000_000
-# maximum size of a table or a parameter set in an FMU, bytes
-MAX_FILE = 100_000_000
 # number of bytes that are read together
 CHUNK_SIZE = 1 << 20
 # errors that an invalid archive can cause
@@ -129,17 +127,13 @@ def read_inside(folder: Path, path: Path) -> bytes:
         path: path of the file, with the name from the FMU.
 
     Raises:
-        FmuError: the file lies outside the FMU (also through a link), is missing, no regular file or too
-            large.
+        FmuError: the file lies outside the FMU (also through a link), is missing, or no regular file.
     """
     resolved, name = path.resolve(), os.path.relpath(os.path.normpath(path), folder)
     if not resolved.is_relative_to(folder.resolve()):
         raise FmuError(cannot_read(name, "not inside the FMU"))
     if not resolved.is_file():
         raise FmuError(cannot_read(name, "no such file in the FMU"))
-    if resolved.stat().st_size > MAX_FILE:
-        size = f"{resolved.stat().st_size / 1e6:.3g} MB"
-        raise FmuError(cannot_read(name, must_be("its size", f"at most {MAX_FILE / 1e6:g} MB", size)))
     return resolved.read_bytes()
 
 

@@ -26,8 +26,6 @@ Values = list[float] | list[str]
 # function that receives the time, s, and the values of the outputs by name
 Sample = Callable[[float, dict[str, Values]], None]
 
-# maximum number of early returns in one communication step, and of updates of discrete states in one event
-MAX_REPETITIONS = 10_000
 # type in the names of the functions get… and set…, if it differs from the type of the variable
 CALLS_2 = {"Enumeration": "Integer"}
 CALLS_3 = {"Real": "Float64", "Integer": "Int32", "Enumeration": "Int64"}
@@ -168,9 +166,9 @@ def run(description: Any, folder: str, plan: Plan, log: Log, sample: Sample) -> 
     Raises:
         FmuError, FMICallException, other errors of fmpy: the FMU fails.
     """
-    if description.coSimulation is None or description.fmiVersion.startswith("1."):
+    if plan.events or description.coSimulation is None or description.fmiVersion.startswith("1."):
         return _run_by_fmpy(description, folder, plan, log, sample)
-    instance = instantiate(description, folder, description.modelName, log, plan.events)
+    instance = instantiate(description, folder, description.modelName, log)
     is_over = _co_simulate(instance, plan, Outputs(plan.outputs, description.fmiVersion[0] == "3"), sample)
     with contextlib.suppress(FMICallException):  # an instance that ends the simulation may reject the call
         instance.terminate()
@@ -187,42 +185,27 @@ def _co_simulate(instance: Any, plan: Plan, outputs: Outputs, sample: Sample) ->
     inputs.apply(instance, first)
     instance.enterInitializationMode()
     instance.exitInitializationMode()
-    if plan.events:
-        if _update_discrete_states(instance):
-            return True
-        instance.enterStepMode()
     sample(first, outputs.read(instance))
     for begin, end in pairwise(plan.times.tolist()):
         inputs.apply(instance, begin)
-        if _advance(instance, begin, end, plan.events):
+        if _advance(instance, begin, end):
             return True
         sample(end, outputs.read(instance))
     return False
 
 
-def _advance(instance: Any, begin: float, end: float, events: bool) -> bool:
+def _advance(instance: Any, begin: float, end: float) -> bool:
     """Advance an instance from one time to another, s; return True if it ends the simulation."""
-    time = begin
-    for _ in range(MAX_REPETITIONS):
-        try:
-            # with FMI 2.0 the call returns None
-            result = instance.doStep(time, end - time) or (False, False, False, end)
-        except FMICallException as error:
-            if error.status == DISCARD and _ends_simulation(instance):
-                return True
-            raise FmuError(f"at time {time:.9g} s: {error}") from error
-        is_event, _, is_early, last_time = result
-        if is_early and not events:
-            raise FmuError(f"at time {time:.9g} s: the step returns early, but early return is not allowed")
-        time = last_time if is_early else end
-        if events and is_event:
-            instance.enterEventMode()
-            if _update_discrete_states(instance):
-                return True
-            instance.enterStepMode()
-        if time >= end:
-            return False
-    raise FmuError(f"at time {time:.9g} s: the step to {end:.9g} s returns early {MAX_REPETITIONS} times")
+    try:
+        # with FMI 2.0 the call returns None
+        result = instance.doStep(begin, end - begin)
+    except FMICallException as error:
+        if error.status == DISCARD and _ends_simulation(instance):
+            return True
+        raise FmuError(f"at time {begin:.9g} s: {error}") from error
+    if result is not None and result[2]:
+        raise FmuError(f"at time {begin:.9g} s: the step returns early, but early return is not allowed")
+    return False
 
 
 def _ends_simulation(instance: Any) -> bool:
@@ -232,17 +215,8 @@ def _ends_simulation(instance: Any) -> bool:
     return False
 
 
-def _update_discrete_states(instance: Any) -> bool:
-    """Update the discrete states in event mode; return True if the FMU ends the simulation."""
-    for _ in range(MAX_REPETITIONS):
-        needs_update, ends, *_ = instance.updateDiscreteStates()
-        if ends or not needs_update:
-            return bool(ends)
-    raise FmuError(f"more than {MAX_REPETITIONS} updates of discrete states in one event")
-
-
 def _run_by_fmpy(description: Any, folder: str, plan: Plan, log: Log, sample: Sample) -> bool:
-    """Run an FMU for model exchange or of FMI 1.0 with fmpy; return True if it ends the simulation."""
+    """Run an FMU for model exchange, of FMI 1.0 or with events with fmpy; return True if it ends the run."""
     outputs = Outputs(plan.outputs, description.fmiVersion[0] == "3")
     last = float(plan.times[-1])
     last_time = -math.inf
@@ -268,6 +242,8 @@ def _run_by_fmpy(description: Any, folder: str, plan: Plan, log: Log, sample: Sa
         relative_tolerance=plan.tolerance,
         debug_logging=True,
         remote_platform=None,
+        use_event_mode=plan.events,
+        early_return_allowed=plan.events,
         step_finished=step_finished,
         logger=log.take if description.fmiVersion[0] == "3" else take_message,
     )

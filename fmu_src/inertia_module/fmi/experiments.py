@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import FmuError, cannot_read, must_be, unknown
-from ..common.units import BOOLEANS, factor_between, number_of
+from ..common.units import BOOLEANS, factor_between
 from .archive import parse_inside, read_inside
-from .instance import REALS, items_of
+from .instance import to_number
 
 Array = NDArray[np.float64]
 
@@ -154,15 +154,8 @@ def value_of(variable: Any, value: float | str) -> list[float] | list[str]:
     """
     if variable.type in TEXTS:
         return [str(value)]
-    items = items_of(variable)
     words = value.split() if isinstance(value, str) and variable.shape else [value]
-    try:
-        numbers = [number_of(_number_or_text(word), variable.unit or "1", items) for word in words]
-    except ValueError as error:
-        demand = must_be(variable.name, f"a number in {variable.unit or '1'}", repr(value))
-        raise FmuError(f"{demand}: {error}") from None
-    if variable.type not in REALS and not all(number.is_integer() for number in numbers):
-        raise FmuError(must_be(variable.name, "an integer", repr(value)))
+    numbers = [to_number(variable, _number_or_text(word)) for word in words]
     if len(numbers) != size_of(variable):
         raise FmuError(must_be(variable.name, f"{size_of(variable)} numbers", str(len(numbers))))
     return numbers

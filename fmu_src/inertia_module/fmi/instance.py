@@ -179,13 +179,22 @@ def items_of(variable: Any) -> Mapping[str, float] | None:
     return None
 
 
-def _to_number(variable: Any, value: Any) -> float:
-    """Convert a value, a quantity or the name of an item to a number; the FMU checks its range."""
-    if variable.type == "Real" and isinstance(value, float):
+def to_number(variable: Any, value: Any) -> float:
+    """Convert a value, a quantity or the name of an item to a number; the FMU checks its range.
+
+    Args:
+        variable: variable of fmpy.
+        value: a number, a string with a unit, or the name of an item.
+
+    Raises:
+        FmuError: the value has another type.
+    """
+    is_real = variable.type in REALS
+    if is_real and isinstance(value, float):
         return value
     unit, items = variable.unit or "1", items_of(variable)
     maximum = 1.0 if variable.type == "Boolean" else MAX_INTEGER
-    if variable.type == "Real":
+    if is_real:
         allowed = allowed_number(unit)
     else:
         allowed = f"one of {', '.join(items)}" if items else "a 32-bit integer"
@@ -194,7 +203,7 @@ def _to_number(variable: Any, value: Any) -> float:
     except ValueError as error:
         message = must_be(variable.name, allowed, repr(value))
         raise FmuError(with_reason(message, error, value, items)) from None
-    if variable.type != "Real" and not (number.is_integer() and abs(number) <= maximum):
+    if not is_real and not (number.is_integer() and abs(number) <= maximum):
         raise FmuError(must_be(variable.name, allowed, repr(value)))
     return number
 
@@ -393,7 +402,8 @@ class Fmu(Plant, Closing):
         """
         calls: dict[str, dict[int, float]] = {}
         for variable, value in [(self._variable(name), value) for name, value in values.items()]:
-            number = {"Real": float, "Boolean": bool}.get(variable.type, int)(_to_number(variable, value))
+            convert = float if variable.type in REALS else {"Boolean": bool}.get(variable.type, int)
+            number = convert(to_number(variable, value))
             calls.setdefault(variable.type, {})[variable.valueReference] = number
         for kind, numbers in calls.items():
             self._call(f"set{kind}", list(numbers), list(numbers.values()))

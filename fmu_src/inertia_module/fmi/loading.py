@@ -52,7 +52,7 @@ def callbacks_of(log: Log) -> Any:
     return callbacks
 
 
-def instantiate(description: Any, folder: str, name: str, log: Log, events: bool = False) -> Any:
+def instantiate(description: Any, folder: str, name: str, log: Log) -> Any:
     """Make an instance of an unpacked FMU, with FMPy's FMI 2.0 method names.
 
     Args:
@@ -60,7 +60,6 @@ def instantiate(description: Any, folder: str, name: str, log: Log, events: bool
         folder: folder of the unpacked FMU.
         name: name of the instance.
         log: log that receives the messages of the instance.
-        events: True to use event mode and allow early return (FMI 3.0).
     """
     arguments = {
         "guid": description.guid,
@@ -74,8 +73,7 @@ def instantiate(description: Any, folder: str, name: str, log: Log, events: bool
         instance.getEnumeration, instance.setEnumeration = instance.getInteger, instance.setInteger
     else:
         instance = Slave(**arguments)
-        modes = {"eventModeUsed": events, "earlyReturnAllowed": events}
-        instance.instantiate(logMessage=log.take, loggingOn=True, **modes)
+        instance.instantiate(logMessage=log.take, loggingOn=True)
     whole_runs = getattr(instance.dll, RUN, None)
     if whole_runs is not None:
         whole_runs.argtypes, whole_runs.restype = (c_void_p, c_void_p), _check_status
