@@ -26,7 +26,7 @@ def sheet(content):
     inner = WIDTH - 2 * MARGIN
     image = image.resize((inner, round(inner * image.height / image.width)), Image.Resampling.LANCZOS)
     page = Image.new("RGB", (WIDTH, round(ASPECT * WIDTH)), "white")
-    page.paste(image.crop((0, 0, inner, page.height - 2 * MARGIN)), (MARGIN, MARGIN))
+    page.paste(image.crop((0, 0, inner, min(image.height, page.height - 2 * MARGIN))), (MARGIN, MARGIN))
     return page
 
 
