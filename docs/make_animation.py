@@ -33,7 +33,9 @@ def frames(page):
     clip = {**machine, "height": curves["y"] + curves["height"] - machine["y"]}
     for time in BEGIN + SPAN * np.arange(FRAMES) / FRAMES:
         page.evaluate("time => inertiaModule.seek(time)", time)
-        # the picture follows in the next frame, the curves in that or the one after
+        # while frames are slow the viewer draws fewer pixels
+        page.wait_for_function("inertiaModule.state().pixelRatio >= 1")
+        # the mechanism follows in the next frame, the curves in the same or the following frame
         for _ in range(4):
             page.evaluate("new Promise(requestAnimationFrame)")
         picture = Image.open(io.BytesIO(page.screenshot(clip=clip))).convert("RGB")
@@ -53,7 +55,7 @@ def main():
         )
         page.goto(path.as_uri())
         page.wait_for_function("window.inertiaModule && inertiaModule.state().run?.complete")
-        page.get_by_label("Time shown in the curves").select_option("2")
+        page.get_by_label("Time range of the curves").select_option("2")
         first, *others = frames(page)
         browser.close()
     written = ROOT / "docs" / "mechanism.webp"

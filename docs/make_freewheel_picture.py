@@ -101,7 +101,7 @@ def draw(table):
             frequency.plot(rpm, turn * rpm / 60.0, **look)
     for name, limit in LIMITS.items():
         frequency.axhline(limit, color=BLACK, linewidth=0.8)
-        frequency.text(50.0, limit, name, ha="left", va="bottom", fontsize=9)
+        frequency.text(3050.0, limit, name.replace(" ", "\n"), ha="left", va="center", fontsize=9)
     efficiency.set(xlabel="engagement angle [deg]", ylabel="efficiency [%]")
     torque.set(xlabel="engagement angle [deg]", ylabel="output torque over torque at 0 deg", ylim=(0.0, None))
     frequency.set(

@@ -44,8 +44,9 @@ def draw_modules(axes):
         axes.annotate("", end, (0.0, 0.0), arrowprops={"arrowstyle": "->"})
         axes.text(*(1.2 * end), label, ha="center", va="center")
     axes.set_title(
-        "three modules, Ox towards the reader, θ1 = 0: turned by 120° each,\n"
-        "pinion shafts in phase; arrows: −m a, lines: one turn of the pinion shafts"
+        "three modules, turned by 120° each, pinion shafts in phase;\n"
+        "Ox towards the reader, θ1 = 0; arrows: −m a,\n"
+        "lines: one turn of the pinion shafts"
     )
     axes.set_aspect("equal")
     axes.set_axis_off()
@@ -68,7 +69,6 @@ def draw_forces(axes):
     axes.set_xlabel("Fy [kN]")
     axes.set_ylabel("Fz [kN]")
     axes.set_aspect("equal")
-    axes.legend(loc="upper right")
 
 
 @styled()
@@ -77,6 +77,7 @@ def main():
     left, right = figure.subplots(1, 2)
     draw_modules(left)
     draw_forces(right)
+    figure.legend(*right.get_legend_handles_labels(), loc="outside lower right", ncols=3)
     figure.savefig(TARGET)
 
 

@@ -19,6 +19,7 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from examples.coupling.engine import (
     SCHEMES,
@@ -30,7 +31,7 @@ from examples.coupling.engine import (
     TorqueDrivenEngine,
 )
 from inertia_module import driveline
-from inertia_module.common.colours import styled
+from inertia_module.common.colours import Picture, styled
 from inertia_module.common.errors import FmuError
 from inertia_module.common.examples import example
 from inertia_module.fmi.instance import Fmu
@@ -450,7 +451,7 @@ def map_figure(rows: Sequence[Trial]) -> Figure:
     cases = list(dict.fromkeys(row.case for row in rows))
     schemes = list(dict.fromkeys(row.scheme for row in rows))
     columns = sorted({(row.ratio, row.step) for row in rows})
-    figure = Figure(figsize=(11, 0.6 + 1.9 * len(cases)), dpi=110, layout="constrained")
+    figure = Picture(figsize=(11, 0.6 + 1.9 * len(cases)), dpi=110, layout="constrained")
     panels = list(figure.subplots(len(cases), 1, squeeze=False).flat)
     for axes, case in zip(panels, cases, strict=True):
         errors = {(row.scheme, row.ratio, row.step): row.max_error for row in rows if row.case == case}
@@ -472,6 +473,8 @@ def map_figure(rows: Sequence[Trial]) -> Figure:
     bar.set_ticks(list(_BOUNDS))
     bar.set_ticklabels([f"{100 * bound:g} %" for bound in _BOUNDS])
     bar.ax.tick_params(labelsize=7)
+    bar.set_label("maximum error")
+    figure.legend(handles=[Patch(color=_UNSTABLE, label="unstable")], loc="outside lower right")
     return figure
 
 

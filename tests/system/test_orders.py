@@ -181,7 +181,10 @@ def test_signals_with_the_same_amplitudes_share_a_row_of_the_figure():
     several = replace(result, spectrum=more, units=dict.fromkeys(more, "N"))
     figure = order_figure(several, "title", speed_unit="rpm")
     labels = [axes.get_title(loc="left") or axes.get_ylabel() for axes in figure.axes]
-    assert [label for label in labels if "[N]" in label and "amplitude" not in label] == ["x, y [N]", "z [N]"]
+    assert [label for label in labels if "[N]" in label and "amplitude" not in label] == [
+        "x,\ny [N]",
+        "z [N]",
+    ]
     assert any("[rpm]" in axes.get_ylabel() for axes in figure.axes)
 
 

@@ -356,7 +356,7 @@ def test_command_prints_the_speed_and_writes_finite_torques_and_a_converter_tabl
     omega1 = 3000.0 if warned else 100.0 * math.pi
     columns, _ = read_columns(tmp_path / "planar.csv")
     stall = columns["output_torque"][0] * omega1**2
-    assert f"{stall:.6g} N.m " in done.output
+    assert f"{stall:.6g} N·m " in done.output
     rows = list(csv.DictReader((tmp_path / "planar_converter.csv").open()))
     assert float(rows[0]["output_torque [N.m]"]) == pytest.approx(stall, rel=1e-12)
     read = loadmat(tmp_path / "planar_converter.mat", simplify_cells=True)["converter"]

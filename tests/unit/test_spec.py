@@ -345,7 +345,7 @@ def test_drive_that_is_too_weak_is_a_caveat():
     assert torque == pytest.approx(35.6, abs=0.5)
     caveat = caveats_of(scene, {}, 200.0)["drive too weak"]
     chart = compute_chart(scene.parameters(), 200.0)
-    assert f"requires up to {(chart.input_torque * 4e4).max():.4g} N.m at 200 rad/s" in caveat
+    assert f"requires up to {(chart.input_torque * 4e4).max():.4g} N·m at 200 rad/s" in caveat
     strong = scene.replaced(drive={"full_load": {"speed": [0.0, 300.0], "torque": [2000.0, 2000.0]}})
     assert "drive too weak" not in caveats_of(strong, {}, 200.0)
     assert load_scene(example("planar")).drive_torque_limit(200.0) is None

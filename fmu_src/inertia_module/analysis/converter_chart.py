@@ -132,8 +132,8 @@ class TorqueConverterChart(ByContent):
             return ""
         first = float(self.speed_ratio[np.argmax(is_overloaded)])
         return (
-            f"the drive provides {torque:.4g} N.m, but the mechanism requires up to {required.max():.4g}"
-            f" N.m at {abs(omega1):.4g} rad/s: it cannot hold this speed from a speed ratio of {first:.2g}"
+            f"the drive provides {torque:.4g} N·m, but the mechanism requires up to {required.max():.4g}"
+            f" N·m at {abs(omega1):.4g} rad/s: it cannot hold this speed from a speed ratio of {first:.2g}"
         )
 
     def save(self, path: Path) -> Path:

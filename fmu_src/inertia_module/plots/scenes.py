@@ -234,11 +234,11 @@ def _pulse_panels(figure: Figure, result: SceneResult, table: Result, rows: int 
         axes.set_xlabel("time [s]")
     for axes in grid[:2, 0]:
         axes.axvspan(table.time[first], table.time[-1], color=ORANGE, alpha=0.12, linewidth=0)
-    text = "whole run: output shaft at {omega_out_final:.4g} rad/s after {simulated_time:g} s, "
+    text = "whole run: output shaft at {omega_out_final:.3g} rad/s after {simulated_time:g} s, "
     # The title contains the first acceleration time of a vehicle.
     for name in [name for name in numbers if name.startswith(TIME_TO)][:1]:
         text += f"{name.removeprefix(TIME_TO).partition('_')[0]} km/h in {numbers[name]:.3g} s, "
-    text += "mean torque {output_torque_mean:.3g} N·m"
+    text += "mean {output_torque_mean:.3g} N·m"
     headline(grid[0, 0], text.format_map(numbers))
     headline(grid[0, 1], f"{close_up} ({numbers['contact_switches']:.0f} switching events in total)")
 

@@ -447,7 +447,8 @@ def order_figure(result: Orders, title: str, in_hz: bool = False, speed_unit: st
         return figure
     panels = figure.subplots(len(rows), 2, sharex="col" if in_hz else "all", squeeze=False)
     for (left, right), (name, label) in zip(panels, rows.items(), strict=True):
-        _draw_spectrum(left, result, name, label_with_unit(label, result.units[name]))
+        lines = label_with_unit(label, result.units[name]).replace(", ", ",\n")
+        _draw_spectrum(left, result, name, lines)
         mesh = _draw_waterfall(right, result, name, in_hz, "rpm" if in_hz else speed_unit)
         if mesh is not None:
             figure.colorbar(mesh, ax=right, label=f"amplitude [{printed_unit(result.units[name])}]")
