@@ -190,6 +190,15 @@ def test_slope_over_distance_and_terminal_speed():
     assert table["slope_torque"][0] == 0.0
 
 
+@pytest.mark.parametrize("speed", [30.0, -30.0])
+def test_drag_opposes_the_motion_in_both_directions(speed):
+    load = vehicle(0.05, drag_area=2.0, prevents_reverse=False)
+    outputs = load.system.output(0.0, [0.0], [speed, 0.0])
+    torque = outputs[load.system.output_labels.index("drag_torque")]
+    drag = 0.5 * 1.2 * 2.0 * (0.1 * speed) ** 2
+    assert torque == pytest.approx(math.copysign(0.1 * drag, speed), rel=1e-12)
+
+
 # --- controllers ---
 
 
