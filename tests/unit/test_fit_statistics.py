@@ -1,5 +1,6 @@
 """Statistics of a fit: profile likelihood, F-test, collinearity, identifiability."""
 
+import dataclasses
 from types import SimpleNamespace
 
 import numpy as np
@@ -127,6 +128,16 @@ def test_f_test_is_the_change_of_chi_squared():
     assert likelihood_ratio(mean, both) == pytest.approx(ROWS * np.log(sums[0] / sums[1]), rel=0.1)
     expected = f.sf((sums[0] - sums[1]) / (sums[1] / (ROWS - 2)), 1, ROWS - 2)
     assert f_test(mean, both) == pytest.approx(expected, rel=0.5)
+
+
+def test_likelihood_ratio_includes_the_change_of_the_prior():
+    values = trend(1.0, 0.5) + 0.5 * noise(4)
+    prior = dataclasses.replace(key("mean", 2.0), deviation=0.05)
+    mean = dataclasses.replace(problem(trend, [prior], values), priors=(prior,)).minimise(np.ones(1))
+    both = released(mean, key("slope", 0.0, size=0.01))
+    # With a specified noise and independent residuals it is the decrease of chi-squared.
+    assert abs(mean.residuals[-1] ** 2 - both.residuals[-1] ** 2) > 5.0
+    assert likelihood_ratio(mean, both) == pytest.approx(mean.chi_squared - both.chi_squared, rel=0.1)
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.6])
