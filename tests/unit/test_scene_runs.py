@@ -107,7 +107,8 @@ def test_efficiency_is_the_fraction_of_work_without_losses(given, out, stored, l
 
 
 def test_stored_energy_counts_from_the_start_of_the_run():
-    energies = table(energy_in=10.0, energy_out=8.0, energy_stored=[50.0, 45.0, 51.0], energy_lost=1.0)
+    energies = table(energy_in=10.0, energy_out=8.0, energy_stored=51.0, energy_lost=1.0)
+    energies["energy_stored"][0] = 50.0
     summary = summarise(energies, None, 1.0, {})
     assert summary["energy_stored_gain"].value == 1.0
     assert summary["efficiency"].value == pytest.approx(0.9)
