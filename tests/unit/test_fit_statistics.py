@@ -8,11 +8,13 @@ import pytest
 from scipy.optimize import brentq
 from scipy.stats import f, t
 
+from inertia_module.common.examples import example
 from inertia_module.fmi.results import Result
+from inertia_module.scene import load_scene
 from inertia_module.studies.axes import Free
 from inertia_module.studies.candidates import collinearity, f_test, likelihood_ratio, released
 from inertia_module.studies.least_squares import Problem
-from inertia_module.studies.measurement import Measurement, autocorrelation
+from inertia_module.studies.measurement import Measurement, autocorrelation, measurement
 from inertia_module.studies.profile_likelihood import profile_end
 
 ROWS = 400
@@ -160,6 +162,13 @@ def test_collinearity_index_of_a_replaceable_key():
     assert collinearity(optimum, released(optimum, key("slope", 0.0, size=0.01))) == pytest.approx(
         2.0, rel=0.01
     )
+
+
+def test_first_row_has_no_mean_of_a_step_before_it():
+    time = np.array([0.0, 0.1, 0.2])
+    table = Result.from_columns({"time": time, "output_torque_mean": time, "torque_peak": time})
+    counted = measurement(table, load_scene(example("reference"))).counted
+    assert counted.tolist() == [[False, True], [True, True], [True, True]]
 
 
 def test_autocorrelation_from_row_to_row():

@@ -314,6 +314,11 @@ def test_a_launch_beyond_the_grip_has_a_note_and_a_warning(fmu, friction, slips)
     assert largest == pytest.approx(torque, rel=0.15)
 
 
+def test_grip_without_an_axle_load_is_that_of_the_weight():
+    launch = load_scene(EXAMPLES / "engine_launch.toml").replaced(load={"friction_coefficient": 0.3})
+    assert launch.load.grip == pytest.approx(0.3 * launch.load.mass * 9.80665)
+
+
 def test_without_a_friction_coefficient_there_is_no_tractive_force(fmu):
     result = run_scene(load_scene(EXAMPLES / "engine_launch.toml").replaced(run={"stop_time": 0.1}), fmu)
     assert not {name for name in result.summary if name.startswith("tractive")}
