@@ -80,9 +80,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("tests", nargs="*", help="in place of the selection")
     parser.add_argument("-n", type=int, default=1, help="changes at a time")
-    parser.add_argument(
-        "-k", default="", help="only changes of files whose path matches this regular expression"
-    )
+    parser.add_argument("-k", default="", help="only changes of files whose path matches this expression")
     arguments = parser.parse_args()
     changes = [change for change in CHANGES if re.search(arguments.k, change.partition(":")[0])]
     chosen = [tuple(arguments.tests or tests_of(change)) for change in changes]
