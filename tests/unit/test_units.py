@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from inertia_module.common.units import _PRODUCTS, _SYMBOLS, KINDS, factor_between, number_of
+from inertia_module.interface.variables import DISPLAY_UNITS
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "quantities.md"
 
@@ -51,6 +52,11 @@ WRITTEN = [
     ("rpm", "deg/s", 6.0),
     ("kWh", "MJ", 3.6),
 ]
+
+
+def test_display_units_have_the_factors_of_their_names():
+    for unit, (display, factor) in DISPLAY_UNITS.items():
+        assert factor == pytest.approx(factor_between(unit, display), rel=1e-15)
 
 
 @pytest.mark.parametrize(("unit", "si", "factor"), WRITTEN)
