@@ -14,7 +14,7 @@ settings.load_profile("same")
 LONG = frozenset(Path(__file__).with_name("long.txt").read_text(encoding="utf-8").splitlines())
 # Slow files: other hosts, valgrind, sanitizers, Wine and QEMU, every page of the site.
 LONG_FILES = ("tests/native/", "tests/system/test_hosts.py", "tests/system/test_site.py")
-# tests/planted_changes.py sets this option: no translation.
+# With this option nothing is translated.
 ONLY_PLAIN = os.environ.get("INERTIA_MODULE_KERNEL") == "plain"
 
 

@@ -2,7 +2,7 @@
 
     python tests/planted_changes.py -n 2                     all changes, each with the selection below
     python tests/planted_changes.py -k "^scene/loads"        changes of one file
-    python tests/planted_changes.py -k events/location tests/unit/test_crossings.py
+    python tests/planted_changes.py -k events/location tests/unit/test_events.py
 
 Prints for each change the first test that failed, or "survived". The tests have few examples each. A changed
 kernel takes seconds to compile and a changed FMU to build, so choose tests of the kernel without built FMUs.
@@ -80,9 +80,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("tests", nargs="*", help="in place of the selection")
     parser.add_argument("-n", type=int, default=1, help="changes at a time")
-    parser.add_argument(
-        "-k", default="", help="only changes of files whose path matches this regular expression"
-    )
+    parser.add_argument("-k", default="", help="only changes of files whose path matches this expression")
     arguments = parser.parse_args()
     changes = [change for change in CHANGES if re.search(arguments.k, change.partition(":")[0])]
     chosen = [tuple(arguments.tests or tests_of(change)) for change in changes]

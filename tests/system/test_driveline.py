@@ -190,6 +190,26 @@ def test_slope_over_distance_and_terminal_speed():
     assert table["slope_torque"][0] == 0.0
 
 
+@pytest.mark.parametrize("speed", [30.0, -30.0])
+def test_drag_opposes_the_motion_in_both_directions(speed):
+    load = vehicle(0.05, drag_area=2.0, prevents_reverse=False)
+    outputs = load.system.output(0.0, [0.0], [speed, 0.0])
+    torque = outputs[load.system.output_labels.index("drag_torque")]
+    drag = 0.5 * 1.2 * 2.0 * (0.1 * speed) ** 2
+    assert torque == pytest.approx(math.copysign(0.1 * drag, speed), rel=1e-12)
+
+
+@pytest.mark.parametrize("slope", [0.1, -0.1])
+@pytest.mark.parametrize("brake, share", [(2000.0, 0.0), (0.0, 1.0)])
+def test_friction_of_a_vehicle_at_rest_balances_the_slope_up_to_its_capacity(slope, brake, share):
+    """A vehicle that can reverse rests with the brake and rolls down without it."""
+    load = vehicle(0.05, slope=slope, prevents_reverse=False)
+    outputs = load.system.output(0.0, [0.0], [0.0, brake])
+    angle = math.atan(slope)
+    pull = 1000.0 * 9.80665 * (math.sin(angle) - math.copysign(0.01 * math.cos(angle), slope))
+    assert outputs[0] == pytest.approx(0.1 * share * pull, rel=1e-12, abs=1e-9)
+
+
 # --- controllers ---
 
 

@@ -20,7 +20,7 @@ from inertia_module.model import Module
 from inertia_module.plots.studies import order_figure
 from inertia_module.scene import load_scene
 from inertia_module.studies.order_analysis import HARMONICS
-from inertia_module.studies.order_lines import MIN_SHARE
+from inertia_module.studies.order_lines import MIN_SHARE, leakage
 from inertia_module.studies.order_spectra import spectra
 from tests.system.programs import stdout_of
 
@@ -153,6 +153,12 @@ def test_side_lobes_are_no_orders_but_small_lines_outside_them_are(growth):
     columns["x"] = large + 0.05 * np.cos(math.tau * 1.2 * turned)
     both = spectra(Result.from_columns(columns), turned, ["x"], highest=3.0, turns=32.0)
     assert [line.order for line in both.largest()["x"]] == pytest.approx([1.0, 1.2], abs=0.01)
+
+
+@pytest.mark.parametrize("distance", [2.5, 3.5, 10.5])
+def test_leakage_is_the_envelope_of_the_spectrum_of_the_hann_window(distance):
+    spectrum = abs(np.sinc(distance) / (1.0 - distance**2))
+    assert leakage(distance) == pytest.approx(spectrum, rel=1e-12)
 
 
 def test_a_trend_is_no_order():

@@ -189,6 +189,8 @@ def test_duty_is_shown_with_limits_and_an_exceeded_limit_is_a_warning(reported):
     assert duty[2][2].endswith(" N·m, limit 150")
     (warning,) = checks(root, "unmet")
     assert warning.startswith("output engagement frequency maximum exceeds its limit of 2 Hz: ")
+    (met,) = [text for text in checks(root, "met") if "(limit" in text]
+    assert met.startswith("output torque peak ")
 
 
 def test_report_is_as_wide_as_the_paper(browser, reported, tmp_path):

@@ -233,6 +233,12 @@ def test_friction_of_input_and_output_reduces_the_torques(omega1, ratio):
     assert means.efficiency == pytest.approx(max(expected, 0.0), abs=1e-5)
 
 
+def test_friction_of_link_2_and_the_output_reduces_the_lock_up_torque():
+    ideal = SteadyMachine(PLANAR).lock_up_torque(60.0)
+    rubbed = SteadyMachine({**PLANAR, "link2_friction": 0.01, "output_friction": 0.02})
+    assert rubbed.lock_up_torque(60.0) == pytest.approx(ideal - 0.03 * 60.0, rel=1e-9)
+
+
 def test_chart_ends_at_zero_output_torque_and_efficiency():
     # The bevel layout transmits little torque at higher ratios.
     parameters = {"satellites": 3, "imbalance_mass": 0.3, "output_friction": 0.02}

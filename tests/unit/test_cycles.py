@@ -21,7 +21,7 @@ from inertia_module.scene import load_scene
 from inertia_module.scene.summary_metrics import summarise
 from inertia_module.scene.vehicle_metrics import cycle_remarks
 
-MILE = 3600.0 * MILE_PER_HOUR
+MILE = 1609.344  # m
 
 
 def length(cycle, begin=0.0, end=np.inf):

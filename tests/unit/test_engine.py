@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from examples.coupling.engine import Engine
-from inertia_module.driveline import EngineMap, Governor
+from inertia_module.driveline import EngineMap, Governor, InterfaceInertia, governed_engine
 
 MAP = EngineMap((0.0, 100.0, 300.0), (80.0, 150.0, 120.0), (5.0, 10.0, 30.0))
 STILL = Governor(0.0, 0.0, 1e6)
@@ -67,6 +67,16 @@ def test_torque_keeps_within_the_map_and_the_integral_does_not_wind_up():
     tested.reference = 50.0
     tested.state = tested.after(0.01, 0.0)
     assert tested.state.torque < 0.0  # The drag acts at once.
+
+
+@pytest.mark.parametrize("throttle, torque", [(0.0, -10.0), (0.5, 70.0), (1.0, 150.0)])
+def test_throttle_interpolates_between_drag_and_full_load(throttle, torque):
+    system = governed_engine(0.01, MAP, idle=50.0, top_speed=290.0, proportional_gain=4.0)
+    assert system.output(0.0, [0.0, 0.0], [throttle, 100.0])[0] == pytest.approx(torque)
+
+
+def test_middle_of_the_interface_inertia_is_the_mean_of_its_extremes():
+    assert InterfaceInertia(minimum=1.0, mean=1.5, maximum=3.0).middle == 2.0
 
 
 def test_engine_continues_from_a_restored_state():

@@ -59,6 +59,27 @@ def test_dip_wider_than_two_samples_is_located():
     assert sigma * H == pytest.approx(root, rel=1e-9)
 
 
+def test_lowest_point_is_that_of_the_parabola():
+    assert location.lowest_point(1.3**2, 0.3**2, 0.7**2) == pytest.approx(0.3)
+    assert location.lowest_point(1.0, 0.5, 0.2) == 0.0
+
+
+def test_dip_within_a_fifth_of_the_step_is_located():
+    """(t - 0.01) (t - 0.03) (t + 0.05) is positive at the middle and at both ends of the step."""
+    d, x, w = step_of(lambda t: 3.0 * t * t + 0.02 * t - 0.0017, 1.5e-5)
+    assert location.first_fall(d, x, w, guards.HOUSING, 1e-15) * H == pytest.approx(0.01, rel=1e-6)
+
+
+@pytest.mark.parametrize("root", [0.4, 0.5, 0.6])
+def test_torque_falls_at_the_root_of_the_equations_near_the_root_of_the_dense_output(root, monkeypatch):
+    d, x, w = step_of(lambda t: 0.0, 1.0)
+    monkeypatch.setattr(guards, "is_speed", lambda x, which: False)
+    monkeypatch.setattr(location, "fitted_guard", lambda x, w, which, sigma: 0.5 - sigma)
+    monkeypatch.setattr(location, "exact_guard", lambda d, x, w, which, sigma: root - sigma)
+    sigma = location.fall_between(d, x, w, guards.OUTPUT, 1e-12, 0.0, 0.5, 1.0, -0.5)
+    assert sigma == pytest.approx(root, abs=4e-12)
+
+
 def test_indicator_far_from_zero_or_growing_has_no_event():
     _, x, w = step_with_indicator(lambda t: -2.0, 10.0)
     assert guards.is_clear(x, w, guards.HOUSING)

@@ -241,6 +241,8 @@ def test_next_level_has_a_higher_fidelity_or_a_tenth_of_the_error():
     rigid = [FINE, LOOSE]
     assert recommend(rigid, 1e-2, ["omega_out"]).next_row is LOOSE
     assert recommend(rigid, 1e-3, ["omega_out"]).next_row is None
+    half = row("rigid", "", "tolerance 5e-03", 6.0, 30.0, omega_out=1e-3)
+    assert recommend([FINE, half], 1e-2, ["omega_out"]).next_row is None
 
 
 def test_choice_prints_reasons_and_the_cost_of_the_next_level():

@@ -1,5 +1,6 @@
 """Statistics of a fit: profile likelihood, F-test, collinearity, identifiability."""
 
+import dataclasses
 from types import SimpleNamespace
 
 import numpy as np
@@ -7,11 +8,13 @@ import pytest
 from scipy.optimize import brentq
 from scipy.stats import f, t
 
+from inertia_module.common.examples import example
 from inertia_module.fmi.results import Result
+from inertia_module.scene import load_scene
 from inertia_module.studies.axes import Free
 from inertia_module.studies.candidates import collinearity, f_test, likelihood_ratio, released
 from inertia_module.studies.least_squares import Problem
-from inertia_module.studies.measurement import Measurement, autocorrelation
+from inertia_module.studies.measurement import Measurement, autocorrelation, measurement
 from inertia_module.studies.profile_likelihood import profile_end
 
 ROWS = 400
@@ -129,6 +132,16 @@ def test_f_test_is_the_change_of_chi_squared():
     assert f_test(mean, both) == pytest.approx(expected, rel=0.5)
 
 
+def test_likelihood_ratio_includes_the_change_of_the_prior():
+    values = trend(1.0, 0.5) + 0.5 * noise(4)
+    prior = dataclasses.replace(key("mean", 2.0), deviation=0.05)
+    mean = dataclasses.replace(problem(trend, [prior], values), priors=(prior,)).minimise(np.ones(1))
+    both = released(mean, key("slope", 0.0, size=0.01))
+    # With a specified noise and independent residuals it is the decrease of chi-squared.
+    assert abs(mean.residuals[-1] ** 2 - both.residuals[-1] ** 2) > 5.0
+    assert likelihood_ratio(mean, both) == pytest.approx(mean.chi_squared - both.chi_squared, rel=0.1)
+
+
 @pytest.mark.parametrize("correlation", [0.0, 0.6])
 def test_f_test_has_its_level_also_with_autocorrelated_noise(correlation):
     p_values = []
@@ -149,6 +162,13 @@ def test_collinearity_index_of_a_replaceable_key():
     assert collinearity(optimum, released(optimum, key("slope", 0.0, size=0.01))) == pytest.approx(
         2.0, rel=0.01
     )
+
+
+def test_first_row_has_no_mean_of_a_step_before_it():
+    time = np.array([0.0, 0.1, 0.2])
+    table = Result.from_columns({"time": time, "output_torque_mean": time, "torque_peak": time})
+    counted = measurement(table, load_scene(example("reference"))).counted
+    assert counted.tolist() == [[False, True], [True, True], [True, True]]
 
 
 def test_autocorrelation_from_row_to_row():

@@ -106,6 +106,14 @@ def test_efficiency_is_the_fraction_of_work_without_losses(given, out, stored, l
         assert summary["efficiency"].value == pytest.approx(efficiency, rel=1e-15)
 
 
+def test_stored_energy_counts_from_the_start_of_the_run():
+    energies = table(energy_in=10.0, energy_out=8.0, energy_stored=51.0, energy_lost=1.0)
+    energies["energy_stored"][0] = 50.0
+    summary = summarise(energies, None, 1.0, {})
+    assert summary["energy_stored_gain"].value == 1.0
+    assert summary["efficiency"].value == pytest.approx(0.9)
+
+
 def test_each_loss_is_reported():
     assert len(LOSSES) == 6
     for name in LOSSES:
@@ -304,6 +312,11 @@ def test_a_launch_beyond_the_grip_has_a_note_and_a_warning(fmu, friction, slips)
     # The mean torque of the module accelerates the car and its own output inertia.
     torque = result.record["output_torque_mean"].max() * launch.load.final_drive / launch.load.wheel_radius
     assert largest == pytest.approx(torque, rel=0.15)
+
+
+def test_grip_without_an_axle_load_is_that_of_the_weight():
+    launch = load_scene(EXAMPLES / "engine_launch.toml").replaced(load={"friction_coefficient": 0.3})
+    assert launch.load.grip == pytest.approx(0.3 * launch.load.mass * 9.80665)
 
 
 def test_without_a_friction_coefficient_there_is_no_tractive_force(fmu):

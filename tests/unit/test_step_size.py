@@ -29,9 +29,9 @@ OVERTAKING = {
 }
 
 
-def single_step(pair, h=1e-3):
+def single_step(pair, h=1e-3, **values):
     """Return constants, state and workspace after one step of the bevel module by a pair."""
-    module = started("plain", SCENES["bevel"], omega_out_start=30.0, omega2_start=20.0)
+    module = started("plain", SCENES["bevel"], omega_out_start=30.0, omega2_start=20.0, **values)
     d, x, w = module.derived, module.state, record_type(WORKSPACE)()
     w.load, w.tolerance = x.load_torque, d.tolerance
     advance.begin_step(d, x, w)
@@ -76,6 +76,12 @@ def test_scale_of_link_2_includes_its_load_inertia():
     assert w.scale.omega2 / free == pytest.approx((own + d.J2) / (own + d.J2 + d.J3), rel=1e-12)
 
 
+def test_scales_of_losses_are_those_of_work_and_impulse():
+    _, _, w = single_step(tableau.DOP853_ROW, mesh_efficiency=0.95)
+    assert w.scale.drive == w.scale.housing > 0.0
+    assert w.scale.lost[error.MESH] == w.scale.lost[error.JOURNAL] == w.scale.work_in > 0.0
+
+
 @pytest.mark.parametrize("order", [5.0, 8.0])
 def test_next_step_has_the_error_of_the_safety_factor(order):
     for ratio in (0.3, 1.0, 2.5):
@@ -102,6 +108,14 @@ def test_step_over_many_radians_is_made_by_the_pair_of_order_8():
             module.advance(36.0 / (steps * module.derived.harmonic * module.derived.k * module["omega1"]))
         energies.append(module["energy_in"])
     assert energies[0] == pytest.approx(energies[1], rel=3e-4)
+
+
+@pytest.mark.parametrize("phase, is_accepted", [(1.9, True), (2.1, False), (5.0, False)])
+def test_pair_of_order_5_makes_a_step_of_two_radians_at_most(phase, is_accepted):
+    d, x, w = single_step(tableau.DOPRI5_ROW, imbalance_mass=1e-4)
+    w.tolerance = 1.0
+    remaining = phase / (d.harmonic * d.k * (x.omega1 - x.omega2))
+    assert step_size.try_short_step(d, x, w, remaining) == is_accepted
 
 
 def test_step_with_an_energy_gain_is_repeated():

@@ -6,12 +6,13 @@ from pathlib import Path
 import pytest
 
 from inertia_module.common.units import _PRODUCTS, _SYMBOLS, KINDS, factor_between, number_of
+from inertia_module.interface.variables import DISPLAY_UNITS
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "quantities.md"
 
 RPM, POUND_FOOT = 0.10471975511965977, 1.3558179483314004
 
-# A unit as text, the SI unit, the factor between both.
+# A unit as text, the unit of the result, the factor between both.
 WRITTEN = [
     *((unit, "rad/s", RPM) for unit in ("1/min", "1 / min", "/min", "min-1", "min^-1", "min⁻¹", "(1/min)")),
     *((unit, "rad/s", RPM) for unit in ("U/min", "U min-1", "U·min⁻¹", "Umin", "Umin-1", "Umin⁻¹", "r/min")),
@@ -45,7 +46,17 @@ WRITTEN = [
     ("kW", "W", 1e3),
     ("PS", "W", 735.49875),
     ("hp", "W", 745.6998715822702),
+    ("kWh", "J", 3.6e6),
+    ("arcmin", "rad", 2.908882086657216e-4),
+    # units other than SI
+    ("rpm", "deg/s", 6.0),
+    ("kWh", "MJ", 3.6),
 ]
+
+
+def test_display_units_have_the_factors_of_their_names():
+    for unit, (display, factor) in DISPLAY_UNITS.items():
+        assert factor == pytest.approx(factor_between(unit, display), rel=1e-15)
 
 
 @pytest.mark.parametrize(("unit", "si", "factor"), WRITTEN)
