@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -20,6 +22,8 @@ SIZE = (12.0, 9.0)
 DPI = 100
 # size of a figure with one panel, inches, and enlargement of its text: a slide of 16:9
 SLIDE, SLIDE_TEXT = (12.8, 7.2), 1.7
+# maximum number of characters in a line of its title
+SLIDE_COLUMNS = 60
 # size of tick labels, and distance of a title above a legend, points
 TICK_SIZE, TITLE_PAD = 10.0, 22.0
 # averaging time that removes pulses, s
@@ -141,6 +145,8 @@ def single_panel(figure: Figure, number: int) -> Figure:
     for axes in remaining:
         axes.set_subplotspec(whole)
     figure.set_size_inches(*SLIDE)
+    if title := figure.get_suptitle():
+        figure.suptitle(textwrap.fill(title, SLIDE_COLUMNS))
     for text in figure.findobj(Text):
         text.set_fontsize(SLIDE_TEXT * float(text.get_fontsize()))
     for axes in (*remaining, *colour_bars):
