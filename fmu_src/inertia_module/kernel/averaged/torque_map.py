@@ -689,7 +689,9 @@ def build_side(p: Parameters, d: Constants, w: Workspace, side: Side) -> bool:
             has_orbits = drive_by_torque(d, w, side)
     last = side.columns[len(RATIOS) - 1]
     if side.end < 1.0 or side.direction < 0.0:
-        last.torque[0] = min(last.torque[0], 0.0)
+        # Beyond it the output freewheel overruns and transmits no driving torque
+        for m in range(SLOWNESSES):
+            last.torque[m] = min(last.torque[m], 0.0)
     return has_orbits
 
 
