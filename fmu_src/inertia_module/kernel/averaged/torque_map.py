@@ -48,6 +48,8 @@ FIRST_SLOWNESSES = (0.0, 0.25, 0.5, 0.75, 0.99, 1.0)
 N_FRICTION_ONLY = 2
 # Number of slownesses of the complete grid
 SLOWNESSES = 15
+# Evaluations of the equations of motion on one side of the map after which new slownesses have no orbits
+MAX_REFINEMENT_EVALUATIONS = 1e7
 # Causes of losses in the map
 LOSSES = (VISCOUS, MESH, JOURNAL, FREEWHEEL)
 # Positions in a column of the map (fields.COLUMN)
@@ -565,27 +567,73 @@ def interpolation_error(side: Side, m: int, count: int) -> float:
 
 
 def insert_slowness(side: Side, m: int, count: int) -> None:
-    """Insert the middle of an interval of slownesses. Its values in the columns are not yet written.
+    """Insert the middle of an interval of slownesses, with interpolated means.
 
     Args:
         side: Map for one sign of omega1.
         m: Number of the interval.
         count: Number of slownesses so far.
     """
-    for i in range(count - m):
-        side.slowness[count - i] = side.slowness[count - i - 1]
-    side.slowness[m + 1] = 0.5 * (side.slowness[m] + side.slowness[m + 2])
+    middle = 0.5 * (side.slowness[m] + side.slowness[m + 1])
+    cell = slowness_cell(side, m, middle)
     for n in range(len(RATIOS)):
         numbers = side.columns[n].numbers
         for position in range(0, ENERGY, SLOWNESSES):
-            for i in range(count - m):
+            value = at_slowness(side.columns[n], m, cell, position)
+            for i in range(count - m - 1):
                 numbers[position + count - i] = numbers[position + count - i - 1]
+            numbers[position + m + 1] = value
+    for i in range(count - m - 1):
+        side.slowness[count - i] = side.slowness[count - i - 1]
+    side.slowness[m + 1] = middle
 
 
-def add_slow_orbits(d: Constants, w: Workspace, side: Side, m: int) -> bool:
-    """Write the orbits of all ratios for slowness m above 0, and return the result of add_orbits."""
-    omega1 = side.direction * side.v0 * (1.0 - side.slowness[m]) / side.slowness[m]
-    return add_orbits(d, w, side, m, omega1)
+def input_speed(side: Side, z: float) -> float:
+    """Return the input speed at the slowness z above 0, rad/s."""
+    return side.direction * side.v0 * (1.0 - z) / z
+
+
+def worst_interval(p: Parameters, d: Constants, side: Side, count: int) -> int:
+    """Return the number of the interval of slownesses with the largest interpolation error.
+
+    Args:
+        p: Parameters.
+        d: Constants.
+        side: Map for one sign of omega1.
+        count: Number of slownesses so far.
+    """
+    worst, max_error = 0, -1.0
+    for m in range(count - N_FRICTION_ONLY):
+        z = 0.5 * (side.slowness[m] + side.slowness[m + 1])
+        speed = abs(input_speed(side, z))
+        scale = max(side.columns[0].torque[0] * speed * speed, resistance(p, d, speed))
+        error = interpolation_error(side, m, count) / (z * z * scale)
+        if error > max_error:
+            worst, max_error = m, error
+    return worst
+
+
+def refine(p: Parameters, d: Constants, w: Workspace, side: Side, count: int, max_evaluations: float) -> None:
+    """Insert a slowness with its orbits. Where there is no orbit, the interpolated means remain.
+
+    At low speed a period is long. With a very light link 2, friction and drag then require many steps.
+
+    Args:
+        p: Parameters.
+        d: Constants with friction.
+        w: Workspace.
+        side: Map for one sign of omega1.
+        count: Number of slownesses so far.
+        max_evaluations: Evaluations for the map after which no orbit is computed.
+    """
+    m = worst_interval(p, d, side, count) + 1
+    insert_slowness(side, m - 1, count)
+    omega1 = input_speed(side, side.slowness[m])
+    for n in range(len(RATIOS)):
+        if d.map_evaluations < max_evaluations:
+            time = find_orbit(d, w.orbit, w, omega1, grid_ratio(side, n), period_length(d))
+            if time > 0.0:
+                write_orbit(d, w.orbit, w, side.columns[n], m, omega1, abs(omega1) + side.v0, time)
 
 
 def add_friction(p: Parameters, d: Constants, w: Workspace, side: Side) -> bool:
@@ -606,21 +654,13 @@ def add_friction(p: Parameters, d: Constants, w: Workspace, side: Side) -> bool:
     for n in range(len(RATIOS)):
         for m in range(count - N_FRICTION_ONLY, count):
             write_friction_means(d, side, side.columns[n], m, grid_ratio(side, n))
+    max_evaluations = d.map_evaluations + MAX_REFINEMENT_EVALUATIONS
     has_orbits = True
     for m in range(1, count - N_FRICTION_ONLY):
-        has_orbits = has_orbits and add_slow_orbits(d, w, side, m)
-    while has_orbits and count < SLOWNESSES:
-        worst, max_error = 0, -1.0
-        for m in range(count - N_FRICTION_ONLY):
-            z = 0.5 * (side.slowness[m] + side.slowness[m + 1])
-            speed = side.v0 * (1.0 - z) / z
-            scale = max(side.columns[0].torque[0] * speed * speed, resistance(p, d, speed))
-            error = interpolation_error(side, m, count) / (z * z * scale)
-            if error > max_error:
-                worst, max_error = m, error
-        insert_slowness(side, worst, count)
-        count += 1
-        has_orbits = add_slow_orbits(d, w, side, worst + 1)
+        has_orbits = has_orbits and add_orbits(d, w, side, m, input_speed(side, side.slowness[m]))
+    if has_orbits:
+        for m in range(count, SLOWNESSES):
+            refine(p, d, w, side, m, max_evaluations)
     set_friction(p, d, 0.0)
     return has_orbits
 
