@@ -9,8 +9,9 @@ rest. Load-dependent losses scale with omega1^2 as well.
 The ratios of the grid are fixed fractions of the last ratio (RATIOS). The slownesses are not fixed, because
 the torque has kinks at which the pulses no longer move link 2. Each new slowness halves the interval with the
 largest interpolation error (equidistribution: de Boor, 1978, A Practical Guide to Splines). Between the
-points all curves are monotone cubics (Fritsch & Carlson, 1980, SIAM Journal on Numerical Analysis 17) with
-the slopes of parabolas, limited as by Hyman (1983, SIAM Journal on Scientific and Statistical Computing 4).
+points all curves are monotone cubics (Fritsch & Carlson, 1980, SIAM Journal on Numerical Analysis 17). Over
+the ratio they have the slopes of Fritsch & Butland (1984, SIAM Journal on Scientific and Statistical
+Computing 5); over the slowness they have the slopes of parabolas, limited as by Hyman (1983, same journal 4).
 Near rest only friction and drag act, and the speed of link 2 is constant.
 
 Friction of link 1 and of the output shaft is exact without a map. Torque-driven, an orbit has the constant
@@ -104,8 +105,11 @@ def make_cell(
     return per_left, 1.0 / width, per_right, weight0, weight1, t
 
 
-def limited_slope(rise: float, other: float, weight: float, is_end: bool) -> float:
-    """Return the slope of the parabola through three points, limited for a monotone cubic.
+def limited_slope(rise: float, other: float, weight: float, is_end: bool, is_harmonic: bool) -> float:
+    """Return the slope at a point for a monotone cubic.
+
+    It is the slope of the parabola through three points, limited; or, between the first and the last point,
+    the weighted harmonic mean of both secants.
 
     Args:
         rise: Slope of the secant of the interval.
@@ -113,16 +117,25 @@ def limited_slope(rise: float, other: float, weight: float, is_end: bool) -> flo
             it is the only neighbour, on the other side of the interval.
         weight: Weight of ``other``.
         is_end: True at the first and the last point of the curve.
+        is_harmonic: True for the harmonic mean.
     """
     slope = rise + weight * (other - rise)
     if is_end:
         return max(min(slope / rise, 3.0), 0.0) * rise if rise != 0.0 else 0.0
+    if is_harmonic:
+        mean = (1.0 + weight) * rise + (2.0 - weight) * other
+        return 3.0 * rise * other / mean if rise * other > 0.0 else 0.0
     limit = 3.0 * min(abs(rise), abs(other))
     return min(max(slope, -limit), limit)
 
 
 def cubic(
-    cell: tuple[float, float, float, float, float, float], a: float, b: float, c: float, e: float
+    cell: tuple[float, float, float, float, float, float],
+    a: float,
+    b: float,
+    c: float,
+    e: float,
+    is_harmonic: bool,
 ) -> tuple[float, float]:
     """Interpolate a curve between two of its points.
 
@@ -132,6 +145,7 @@ def cubic(
         b: Value at the beginning of the interval.
         c: Value at its end.
         e: Value at the point after.
+        is_harmonic: True if the slopes are harmonic means of secants (limited_slope).
 
     Returns:
         (value, slope).
@@ -139,8 +153,8 @@ def cubic(
     per_left, per_width, per_right, weight0, weight1, t = cell
     before, rise, after = (b - a) * per_left, (c - b) * per_width, (e - c) * per_right
     is_first, is_last = per_left == 0.0, per_right == 0.0
-    m0 = limited_slope(rise, after if is_first else before, weight0, is_first)
-    m1 = limited_slope(rise, before if is_last else after, weight1, is_last)
+    m0 = limited_slope(rise, after if is_first else before, weight0, is_first, is_harmonic)
+    m1 = limited_slope(rise, before if is_last else after, weight1, is_last, is_harmonic)
     c2, c3 = (3.0 * rise - 2.0 * m0 - m1) * per_width, (m0 + m1 - 2.0 * rise) * per_width * per_width
     return b + t * (m0 + t * (c2 + t * c3)), m0 + t * (2.0 * c2 + 3.0 * t * c3)
 
@@ -204,7 +218,7 @@ def curve(
     before, after = max(n - 1, 0), min(n + 2, len(RATIOS) - 1)
     a, b = side.columns[before].numbers[position], side.columns[n].numbers[position]
     c, e = side.columns[n + 1].numbers[position], side.columns[after].numbers[position]
-    return cubic(cell, a, b, c, e)
+    return cubic(cell, a, b, c, e, True)
 
 
 def at_slowness(
@@ -221,7 +235,7 @@ def at_slowness(
     before, after = position + max(m - 1, 0), position + min(m + 2, SLOWNESSES - 1)
     i = position + m
     values = column.numbers
-    value, _ = cubic(cell, values[before], values[i], values[i + 1], values[after])
+    value, _ = cubic(cell, values[before], values[i], values[i + 1], values[after], False)
     return value
 
 
@@ -250,7 +264,7 @@ def surface(
     b = at_slowness(side.columns[n], m, slowness, position)
     c = at_slowness(side.columns[n + 1], m, slowness, position)
     e = at_slowness(side.columns[min(n + 2, len(RATIOS) - 1)], m, slowness, position)
-    value, _ = cubic(ratio, a, b, c, e)
+    value, _ = cubic(ratio, a, b, c, e, True)
     return value
 
 
