@@ -9,8 +9,9 @@ rest. Load-dependent losses scale with omega1^2 as well.
 The ratios of the grid are fixed fractions of the last ratio (RATIOS). The slownesses are not fixed, because
 the torque has kinks at which the pulses no longer move link 2. Each new slowness halves the interval with the
 largest interpolation error (equidistribution: de Boor, 1978, A Practical Guide to Splines). Between the
-points all curves are monotone cubics (Fritsch & Carlson, 1980, SIAM Journal on Numerical Analysis 17) with
-the slopes of parabolas, limited as by Hyman (1983, SIAM Journal on Scientific and Statistical Computing 4).
+points all curves are monotone cubics (Fritsch & Carlson, 1980, SIAM Journal on Numerical Analysis 17). Over
+the ratio they have the slopes of Fritsch & Butland (1984, SIAM Journal on Scientific and Statistical
+Computing 5); over the slowness they have the slopes of parabolas, limited as by Hyman (1983, same journal 4).
 Near rest only friction and drag act, and the speed of link 2 is constant.
 
 Friction of link 1 and of the output shaft is exact without a map. Torque-driven, an orbit has the constant
@@ -48,6 +49,8 @@ FIRST_SLOWNESSES = (0.0, 0.25, 0.5, 0.75, 0.99, 1.0)
 N_FRICTION_ONLY = 2
 # Number of slownesses of the complete grid
 SLOWNESSES = 15
+# Evaluations of the equations of motion on one side of the map after which new slownesses have no orbits
+MAX_REFINEMENT_EVALUATIONS = 1e7
 # Causes of losses in the map
 LOSSES = (VISCOUS, MESH, JOURNAL, FREEWHEEL)
 # Positions in a column of the map (fields.COLUMN)
@@ -102,8 +105,11 @@ def make_cell(
     return per_left, 1.0 / width, per_right, weight0, weight1, t
 
 
-def limited_slope(rise: float, other: float, weight: float, is_end: bool) -> float:
-    """Return the slope of the parabola through three points, limited for a monotone cubic.
+def limited_slope(rise: float, other: float, weight: float, is_end: bool, is_harmonic: bool) -> float:
+    """Return the slope at a point for a monotone cubic.
+
+    It is the slope of the parabola through three points, limited; or, between the first and the last point,
+    the weighted harmonic mean of both secants.
 
     Args:
         rise: Slope of the secant of the interval.
@@ -111,16 +117,25 @@ def limited_slope(rise: float, other: float, weight: float, is_end: bool) -> flo
             it is the only neighbour, on the other side of the interval.
         weight: Weight of ``other``.
         is_end: True at the first and the last point of the curve.
+        is_harmonic: True for the harmonic mean.
     """
     slope = rise + weight * (other - rise)
     if is_end:
         return max(min(slope / rise, 3.0), 0.0) * rise if rise != 0.0 else 0.0
+    if is_harmonic:
+        mean = (1.0 + weight) * rise + (2.0 - weight) * other
+        return 3.0 * rise * other / mean if rise * other > 0.0 else 0.0
     limit = 3.0 * min(abs(rise), abs(other))
     return min(max(slope, -limit), limit)
 
 
 def cubic(
-    cell: tuple[float, float, float, float, float, float], a: float, b: float, c: float, e: float
+    cell: tuple[float, float, float, float, float, float],
+    a: float,
+    b: float,
+    c: float,
+    e: float,
+    is_harmonic: bool,
 ) -> tuple[float, float]:
     """Interpolate a curve between two of its points.
 
@@ -130,6 +145,7 @@ def cubic(
         b: Value at the beginning of the interval.
         c: Value at its end.
         e: Value at the point after.
+        is_harmonic: True if the slopes are harmonic means of secants (limited_slope).
 
     Returns:
         (value, slope).
@@ -137,8 +153,8 @@ def cubic(
     per_left, per_width, per_right, weight0, weight1, t = cell
     before, rise, after = (b - a) * per_left, (c - b) * per_width, (e - c) * per_right
     is_first, is_last = per_left == 0.0, per_right == 0.0
-    m0 = limited_slope(rise, after if is_first else before, weight0, is_first)
-    m1 = limited_slope(rise, before if is_last else after, weight1, is_last)
+    m0 = limited_slope(rise, after if is_first else before, weight0, is_first, is_harmonic)
+    m1 = limited_slope(rise, before if is_last else after, weight1, is_last, is_harmonic)
     c2, c3 = (3.0 * rise - 2.0 * m0 - m1) * per_width, (m0 + m1 - 2.0 * rise) * per_width * per_width
     return b + t * (m0 + t * (c2 + t * c3)), m0 + t * (2.0 * c2 + 3.0 * t * c3)
 
@@ -202,7 +218,7 @@ def curve(
     before, after = max(n - 1, 0), min(n + 2, len(RATIOS) - 1)
     a, b = side.columns[before].numbers[position], side.columns[n].numbers[position]
     c, e = side.columns[n + 1].numbers[position], side.columns[after].numbers[position]
-    return cubic(cell, a, b, c, e)
+    return cubic(cell, a, b, c, e, True)
 
 
 def at_slowness(
@@ -219,7 +235,7 @@ def at_slowness(
     before, after = position + max(m - 1, 0), position + min(m + 2, SLOWNESSES - 1)
     i = position + m
     values = column.numbers
-    value, _ = cubic(cell, values[before], values[i], values[i + 1], values[after])
+    value, _ = cubic(cell, values[before], values[i], values[i + 1], values[after], False)
     return value
 
 
@@ -248,7 +264,7 @@ def surface(
     b = at_slowness(side.columns[n], m, slowness, position)
     c = at_slowness(side.columns[n + 1], m, slowness, position)
     e = at_slowness(side.columns[min(n + 2, len(RATIOS) - 1)], m, slowness, position)
-    value, _ = cubic(ratio, a, b, c, e)
+    value, _ = cubic(ratio, a, b, c, e, True)
     return value
 
 
@@ -565,27 +581,73 @@ def interpolation_error(side: Side, m: int, count: int) -> float:
 
 
 def insert_slowness(side: Side, m: int, count: int) -> None:
-    """Insert the middle of an interval of slownesses. Its values in the columns are not yet written.
+    """Insert the middle of an interval of slownesses, with interpolated means.
 
     Args:
         side: Map for one sign of omega1.
         m: Number of the interval.
         count: Number of slownesses so far.
     """
-    for i in range(count - m):
-        side.slowness[count - i] = side.slowness[count - i - 1]
-    side.slowness[m + 1] = 0.5 * (side.slowness[m] + side.slowness[m + 2])
+    middle = 0.5 * (side.slowness[m] + side.slowness[m + 1])
+    cell = slowness_cell(side, m, middle)
     for n in range(len(RATIOS)):
         numbers = side.columns[n].numbers
         for position in range(0, ENERGY, SLOWNESSES):
-            for i in range(count - m):
+            value = at_slowness(side.columns[n], m, cell, position)
+            for i in range(count - m - 1):
                 numbers[position + count - i] = numbers[position + count - i - 1]
+            numbers[position + m + 1] = value
+    for i in range(count - m - 1):
+        side.slowness[count - i] = side.slowness[count - i - 1]
+    side.slowness[m + 1] = middle
 
 
-def add_slow_orbits(d: Constants, w: Workspace, side: Side, m: int) -> bool:
-    """Write the orbits of all ratios for slowness m above 0, and return the result of add_orbits."""
-    omega1 = side.direction * side.v0 * (1.0 - side.slowness[m]) / side.slowness[m]
-    return add_orbits(d, w, side, m, omega1)
+def input_speed(side: Side, z: float) -> float:
+    """Return the input speed at the slowness z above 0, rad/s."""
+    return side.direction * side.v0 * (1.0 - z) / z
+
+
+def worst_interval(p: Parameters, d: Constants, side: Side, count: int) -> int:
+    """Return the number of the interval of slownesses with the largest interpolation error.
+
+    Args:
+        p: Parameters.
+        d: Constants.
+        side: Map for one sign of omega1.
+        count: Number of slownesses so far.
+    """
+    worst, max_error = 0, -1.0
+    for m in range(count - N_FRICTION_ONLY):
+        z = 0.5 * (side.slowness[m] + side.slowness[m + 1])
+        speed = abs(input_speed(side, z))
+        scale = max(side.columns[0].torque[0] * speed * speed, resistance(p, d, speed))
+        error = interpolation_error(side, m, count) / (z * z * scale)
+        if error > max_error:
+            worst, max_error = m, error
+    return worst
+
+
+def refine(p: Parameters, d: Constants, w: Workspace, side: Side, count: int, max_evaluations: float) -> None:
+    """Insert a slowness with its orbits. Where there is no orbit, the interpolated means remain.
+
+    At low speed a period is long. With a very light link 2, friction and drag then require many steps.
+
+    Args:
+        p: Parameters.
+        d: Constants with friction.
+        w: Workspace.
+        side: Map for one sign of omega1.
+        count: Number of slownesses so far.
+        max_evaluations: Evaluations for the map after which no orbit is computed.
+    """
+    m = worst_interval(p, d, side, count) + 1
+    insert_slowness(side, m - 1, count)
+    omega1 = input_speed(side, side.slowness[m])
+    for n in range(len(RATIOS)):
+        if d.map_evaluations < max_evaluations:
+            time = find_orbit(d, w.orbit, w, omega1, grid_ratio(side, n), period_length(d))
+            if time > 0.0:
+                write_orbit(d, w.orbit, w, side.columns[n], m, omega1, abs(omega1) + side.v0, time)
 
 
 def add_friction(p: Parameters, d: Constants, w: Workspace, side: Side) -> bool:
@@ -606,21 +668,13 @@ def add_friction(p: Parameters, d: Constants, w: Workspace, side: Side) -> bool:
     for n in range(len(RATIOS)):
         for m in range(count - N_FRICTION_ONLY, count):
             write_friction_means(d, side, side.columns[n], m, grid_ratio(side, n))
+    max_evaluations = d.map_evaluations + MAX_REFINEMENT_EVALUATIONS
     has_orbits = True
     for m in range(1, count - N_FRICTION_ONLY):
-        has_orbits = has_orbits and add_slow_orbits(d, w, side, m)
-    while has_orbits and count < SLOWNESSES:
-        worst, max_error = 0, -1.0
-        for m in range(count - N_FRICTION_ONLY):
-            z = 0.5 * (side.slowness[m] + side.slowness[m + 1])
-            speed = side.v0 * (1.0 - z) / z
-            scale = max(side.columns[0].torque[0] * speed * speed, resistance(p, d, speed))
-            error = interpolation_error(side, m, count) / (z * z * scale)
-            if error > max_error:
-                worst, max_error = m, error
-        insert_slowness(side, worst, count)
-        count += 1
-        has_orbits = add_slow_orbits(d, w, side, worst + 1)
+        has_orbits = has_orbits and add_orbits(d, w, side, m, input_speed(side, side.slowness[m]))
+    if has_orbits:
+        for m in range(count, SLOWNESSES):
+            refine(p, d, w, side, m, max_evaluations)
     set_friction(p, d, 0.0)
     return has_orbits
 
@@ -689,7 +743,9 @@ def build_side(p: Parameters, d: Constants, w: Workspace, side: Side) -> bool:
             has_orbits = drive_by_torque(d, w, side)
     last = side.columns[len(RATIOS) - 1]
     if side.end < 1.0 or side.direction < 0.0:
-        last.torque[0] = min(last.torque[0], 0.0)
+        # Beyond it the output freewheel overruns and transmits no driving torque
+        for m in range(SLOWNESSES):
+            last.torque[m] = min(last.torque[m], 0.0)
     return has_orbits
 
 
