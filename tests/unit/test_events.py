@@ -66,13 +66,13 @@ def test_lowest_point_is_that_of_the_parabola():
 
 def test_dip_within_a_fifth_of_the_step_is_located():
     """(t - 0.01) (t - 0.03) (t + 0.05) is positive at the middle and at both ends of the step."""
-    d, x, w = step_of(lambda t: 3.0 * t * t + 0.02 * t - 0.0017, 1.5e-5)
+    d, x, w = step_with_indicator(lambda t: 3.0 * t * t + 0.02 * t - 0.0017, 1.5e-5)
     assert location.first_fall(d, x, w, guards.HOUSING, 1e-15) * H == pytest.approx(0.01, rel=1e-6)
 
 
 @pytest.mark.parametrize("root", [0.4, 0.5, 0.6])
 def test_torque_falls_at_the_root_of_the_equations_near_the_root_of_the_dense_output(root, monkeypatch):
-    d, x, w = step_of(lambda t: 0.0, 1.0)
+    d, x, w = step_with_indicator(lambda t: 0.0, 1.0)
     monkeypatch.setattr(guards, "is_speed", lambda x, which: False)
     monkeypatch.setattr(location, "fitted_guard", lambda x, w, which, sigma: 0.5 - sigma)
     monkeypatch.setattr(location, "exact_guard", lambda d, x, w, which, sigma: root - sigma)

@@ -256,7 +256,15 @@ def test_verdict_contains_caveats_and_the_end_of_the_search(read, tmp_path):
     judge = Judge(spec, UNITS)
     assert judge.total_violation(distant) > judge.total_violation(rejected)
     none = DesignResult(judge, [rejected, distant], [], [], 2, {}, Searched([], [], False)).verdict()
-    assert none.endswith("closest design: omega_out_final 500 rad/s (limit: at most 50 rad/s)")
+    assert "closest design: omega_out_final 500 rad/s (limit: at most 50 rad/s)" in none
+    assert none.endswith("; 1 of 2 designs were rejected, most often: too heavy")
+
+
+def test_verdict_names_the_most_frequent_rejection(read):
+    reasons = ["mass = 3.1 kg", "inertia = 1e-3 kg.m2", "inertia = 2e-4 kg.m2"]
+    rows = [row(1.0, 500.0, 1.0), *(Row({"mass": 9.0}, {}, 0.0, reason) for reason in reasons)]
+    result = DesignResult(Judge(read(SPEC), UNITS), rows, [], [], 4, {}, Searched([], [], False))
+    assert result.verdict().endswith("; 3 of 4 designs were rejected, most often: inertia = 1e-3 kg.m2")
 
 
 # --- the search: global, polished, from several starts ---

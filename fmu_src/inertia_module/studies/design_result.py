@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +23,8 @@ from .steady_metrics import SteadyMechanism
 
 # minimum angle of a moving load, rad: one revolution of the output shaft, or of the wheels of a vehicle
 MIN_MOTION = math.tau
+# Numbers in messages, which differ from design to design
+NUMBER = re.compile(r"[-+]?\d[\d.e+-]*")
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,7 +150,7 @@ class DesignResult(ByContent):
             doubts = ", ".join(f"{name} in {names.count(name)}" for name in dict.fromkeys(names))
             notes += f"; caveats: {doubts} of them" if doubts else ""
             number = f"{len(self.chosen)} of {len(finalists)} verified designs satisfy all limits"
-            return f"{number}; {self.convergence()}{notes}"
+            return f"{number}; {self.convergence()}{notes}{self.rejections()}"
         designs = f"{len(self.rows)} designs"
         reason = f"no improvement in the last {search.stall} generations of {search.starts} starts"
         if self.front:
@@ -154,7 +158,16 @@ class DesignResult(ByContent):
             reason = f"{len(self.front)} of {len(self.rows)} designs do with fidelity {search.fidelity!r}"
         elif self.cut:
             reason = f"search.longest = {search.longest:g} s ended the search before it was complete"
-        return f"0 of {designs} satisfy all limits; {reason}; closest design: {limit}"
+        return f"0 of {designs} satisfy all limits; {reason}; closest design: {limit}{self.rejections()}"
+
+    def rejections(self) -> str:
+        """Return the number of designs that were rejected with the most frequent reason; "" without any."""
+        reasons = [row.refused for row in self.rows if row.refused]
+        if not reasons:
+            return ""
+        kinds = [NUMBER.sub("", reason) for reason in reasons]
+        example = reasons[kinds.index(Counter(kinds).most_common(1)[0][0])]
+        return f"; {len(reasons)} of {len(self.rows)} designs were rejected, most often: {example}"
 
     def convergence(self) -> str:
         """Return a sentence that compares the best designs of the starts."""
