@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from ..common.colours import styled
 from ..fidelity.rows import PEER, Row
 from .panels import new_figure
+from .studies import MAX_LINEAR_RATIO
 
 # label of a cost, and factor to its displayed unit
 _AXES = {
@@ -20,7 +21,9 @@ _AXES = {
 
 @styled()
 def work_precision(rows: Sequence[Row], outputs: Sequence[str], title: str) -> Figure:
-    """Draw the maximum error over run time and over right-hand-side evaluations, on logarithmic axes.
+    """Draw the maximum error over run time and over right-hand-side evaluations.
+
+    Axes are logarithmic; costs within a decade have a linear axis.
 
     Runs of the module are dots, runs of peers are crosses, in the colour of the level.
 
@@ -43,6 +46,9 @@ def work_precision(rows: Sequence[Row], outputs: Sequence[str], title: str) -> F
                 [row.max_error(outputs) for row in level],
             )
             axes.loglog(costs, errors, "x" if level[0].fidelity == PEER else "o", markersize=5, label=name)
+        low, high = axes.dataLim.intervalx
+        if high < MAX_LINEAR_RATIO * low:
+            axes.set_xscale("linear")
         axes.set_xlabel(label)
     panels[0].set_ylabel("maximum relative error")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=6)
