@@ -252,7 +252,7 @@ def test_invalid_request_is_an_error_in_a_line_before_the_build(tmp_path, monkey
     assert not list(tmp_path.iterdir())
 
 
-IS_FOLDER = "error: . must be an FMU file (got a folder)\n"
+IS_FOLDER = "error: cannot read .: is a directory\n"
 
 
 @pytest.mark.parametrize(

@@ -104,18 +104,18 @@ DAMPED = {
     "housing": {
         **REFERENCE,
         **{"link2_inertia": 9e-8, "output_inertia": 1.2e-3, "driven_inertia": 0.09, "mesh_efficiency": 0.93},
-        **{"housing_stiffness": 6.4e4, "housing_damping": 3e3, "shaft_stiffness": 2.9e4, "omega1": 34.0},
+        **{"housing_stiffness": 6.4e4, "housing_damping": 1e3, "shaft_stiffness": 2.9e4, "omega1": 34.0},
     },
     "output": {
         **REFERENCE,
         **{"link2_inertia": 1.2e-6, "output_inertia": 7e-3, "driven_inertia": 0.2, "drive_inertia": 6e-4},
-        **{"freewheel_stiffness": 1e6, "freewheel_damping": 6e4, "shaft_stiffness": 1.2e4, "omega1": 108.0},
+        **{"freewheel_stiffness": 1e6, "freewheel_damping": 1e3, "shaft_stiffness": 1.2e4, "omega1": 108.0},
     },
     "both": {
         **PLANAR,
         **{"link2_inertia": 1e-8, "output_inertia": 1.5e-3, "driven_inertia": 0.3, "drive_inertia": 1.3e-4},
         **{"housing_stiffness": 60.0, "housing_damping": 120.0, "shaft_stiffness": 1e3, "omega1": 71.0},
-        **{"freewheel_stiffness": 1.6e5, "freewheel_damping": 1.7e4, "mesh_efficiency": 0.97},
+        **{"freewheel_stiffness": 1.6e5, "freewheel_damping": 1e3, "mesh_efficiency": 0.97},
     },
 }
 

@@ -199,7 +199,7 @@ def test_duty_agrees_with_the_module_and_exceeded_limits_cause_warnings(fmu):
             ("output torque peak", "80 N.m"),
         )
     ]
-    assert result.lines()["output torque peak"].endswith(" N.m, limit 80")
+    assert result.lines()["output torque peak"].endswith(" N·m, limit 80")
 
 
 @pytest.mark.parametrize(
