@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from differences import assert_rates
 from geometry import direct_sums, position
@@ -56,6 +57,17 @@ def test_derivatives_of_the_reduced_inertia(mechanism, satellites):
     d = started("plain", mechanism, GEARS, satellites=satellites).derived
     for q in ANGLES:
         assert_rates(reduced_inertia(d, q)[1::2], lambda more, q=q: reduced_inertia(d, q + more)[::2])
+
+
+@pytest.mark.parametrize("satellites", [1, 2, 3, 5])
+def test_highest_harmonic_of_the_reduced_inertia(mechanism, satellites):
+    """The ratio z17 / z6 = 1.5 of the satellites repeats after two revolutions of the pinion shaft."""
+    d = started("plain", mechanism, z17=30, z6=20, satellites=satellites).derived
+    angles = np.linspace(0.0, 2.0 * math.tau, 128, endpoint=False)
+    inertias = np.array([reduced_inertia(d, q)[::2] for q in angles])
+    content = np.abs(np.fft.rfft(inertias, axis=0)).max(axis=1)
+    harmonics = np.flatnonzero(content > 1e-9 * content.max()) / 2.0
+    assert harmonics.max() == d.harmonic
 
 
 def test_position_and_its_derivatives(mechanism):
