@@ -9,10 +9,11 @@ from scenes import ALL_LOSSES, ELASTIC, ENGINE, GEARS, LAYOUTS, started
 
 from inertia_module.kernel.codes import DRIVING, FREE, HELD, HELD_DRIVING
 from inertia_module.kernel.equations.losses import FREEWHEEL, write_loss_powers
-from inertia_module.kernel.equations.motion import evaluate, potential_energy, solve_links
+from inertia_module.kernel.equations.motion import evaluate, potential_energy, solve_links, solve_sticking
 from inertia_module.kernel.equations.satellites import toggle_bit
 from inertia_module.kernel.equations.states import LOCKED, OVERRUNNING, RATIO_PRESCRIBED
 from inertia_module.kernel.inertia import reduced_inertia
+from inertia_module.kernel.layout import imbalance_position
 from inertia_module.kernel.links import kinetic_energy
 
 MODES = [HELD, FREE, DRIVING, HELD_DRIVING]
@@ -50,6 +51,18 @@ def test_links_solve_the_mass_matrix(chance, drive, is_held):
         assert alpha2 == 0.0
     else:
         assert residual[1] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("load", [3.0, -40.0])
+def test_sticking_links_have_the_friction_of_the_mesh_in_reserve(load):
+    """At constant speed the reserve is (1 - eta) |M2| / k - |M2 / k + I' omega1^2 / 2|."""
+    module = started("plain", INERTIAS, mesh_efficiency=0.9)
+    d, x, m = module.derived, module.state, module.derived.machine
+    x.housing_state, m.q, m.omega1, m.omega2 = OVERRUNNING, 0.7, 12.0, 12.0
+    inertia = reduced_inertia(d, m.q)
+    solve_sticking(d, x, m, 0.0, inertia, imbalance_position(d, m.q, 0.0), d.J2, load)
+    required = abs(load / d.k + 0.5 * inertia[1] * m.omega1 * m.omega1)
+    assert m.friction_reserve == pytest.approx(0.1 * abs(load) / d.k - required, rel=1e-12)
 
 
 def test_prescribed_ratio_removes_the_row_of_link_2(chance):
