@@ -100,7 +100,7 @@ static unsigned forge(fmi2Component c, struct state *state, size_t begin, size_t
     for (size_t place = begin; place < end; place++) {
         const double good = get(state, place);
         forged_place = place;
-        for (size_t n = 0; n < FORGED; n++) {
+        for (size_t n = place % 3; n < FORGED; n += 3) { /* A third of the values in turn, for time */
             put(state, place, forged[n]);
             if (is_taken(c, state)) {
                 use(c);
