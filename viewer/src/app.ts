@@ -25,7 +25,7 @@ const SETTABLE = new Set([
 const TOUR_SCENE = "reference";
 
 /** Interval between updates of names, curves and numbers while frames are slow, ms. */
-const SELDOM = 125;
+const SLOW_UPDATE_INTERVAL = 125;
 
 /** Speed at which a pulse takes four seconds on the wall. */
 function pulseSpeed([from, to]: [number, number]): number {
@@ -51,7 +51,7 @@ export class App {
   private step: TourStep | null = null;
   private last = Infinity;
   /** Time of the last update of names, curves and numbers, ms. */
-  private stood = 0;
+  private lastUpdate = 0;
 
   constructor() {
     const linked = fromHash(location.hash, [...SCENES.keys()], SETTABLE);
@@ -226,10 +226,10 @@ export class App {
     this.player.advance(passed);
     if (!this.wanted || !this.run) return;
     const { clock } = this.player;
-    const isDue = !clock.playing || !this.picture.isSlow || now - this.stood >= SELDOM;
+    const isDue = !clock.playing || !this.picture.isSlow || now - this.lastUpdate >= SLOW_UPDATE_INTERVAL;
     this.wanted = this.picture.draw(this.run, clock.time, clock.playing ? passed : Infinity, isDue);
     if (!isDue) return;
-    this.stood = now;
+    this.lastUpdate = now;
     this.curves.stand(clock.time, clock.playing);
     this.panels.stand(this.run, clock.time, clock.playing);
   }

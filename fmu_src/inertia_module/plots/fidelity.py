@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 
 from ..common.colours import styled
 from ..fidelity.rows import PEER, Row
-from .panels import new_figure
-from .studies import MAX_LINEAR_RATIO
+from .panels import MAX_LINEAR_RATIO, new_figure
 
 # label of a cost, and factor to its displayed unit
 _AXES = {

@@ -26,6 +26,8 @@ SLIDE, SLIDE_TEXT = (12.8, 7.2), 1.7
 SLIDE_COLUMNS = 60
 # size of tick labels, and distance of a title above a legend, points
 TICK_SIZE, TITLE_PAD = 10.0, 22.0
+# maximum ratio of the ends of a linear axis; a larger ratio makes the axis logarithmic
+MAX_LINEAR_RATIO = 10.0
 # averaging time that removes pulses, s
 SMOOTHING = 1.0
 

@@ -26,7 +26,7 @@ from ..studies.evaluation import Row
 from ..studies.fit_result import FitResult
 from ..studies.order_result import BASES, Orders
 from ..studies.parameter_sweep import SweepResult, varies
-from .panels import SIZE, Array, add_label_and_legend, label_with_unit, new_figure
+from .panels import MAX_LINEAR_RATIO, SIZE, Array, add_label_and_legend, label_with_unit, new_figure
 
 # --- torque converter charts, one curve per mechanism ---
 
@@ -235,8 +235,6 @@ def _draw_map(panel: Axes, sweep: SweepResult, values: Array, label: str) -> Non
 MIN_RANGE, MARGIN = 0.01, 0.25
 # approximate height of a large panel and of a line, points; distance of neighbouring dots over the width
 PANEL_HEIGHT, LINE_HEIGHT, NEIGHBOUR = 345.0, 15.0, 0.15
-# ratio of the ends of a linear axis; a larger ratio makes the axis logarithmic
-MAX_LINEAR_RATIO = 10.0
 
 
 @styled()

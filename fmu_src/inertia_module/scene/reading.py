@@ -23,10 +23,14 @@ from .schema import Scene
 from .shaft import ShaftScene
 
 
-def _tables(text: str) -> dict[str, Any]:
-    """Return the unchecked tables of a scene file; raise SceneError if the text is not valid TOML."""
+def _tables(text: str, keys: Keys | None) -> dict[str, Any]:
+    """Return the unchecked tables of a scene file with the values of keys.
+
+    Raises:
+        SceneError: The text is not valid TOML.
+    """
     try:
-        return tomllib.loads(text)
+        tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         message = " ".join(str(error).split())
         place = re.search(r"line (\d+)", message)
@@ -36,6 +40,9 @@ def _tables(text: str) -> dict[str, Any]:
         if "\\" in line and re.search("Unescaped|hex", message):
             cause = f". In double quotes a backslash starts an escape sequence. {SLASHES}"
         raise SceneError(f"invalid TOML: {message}{cause}") from None
+    for name, value in by_dotted_key(keys).items():
+        tables = with_value(tables, name.split("."), value)
+    return tables
 
 
 def load_scene(path: Path | str, keys: Keys | None = None) -> Scene:
@@ -74,9 +81,7 @@ def load_model(
         line = error.object.count(b"\n", 0, error.start) + 1
         raise SceneError(cannot_read(path, f"line {line} is not UTF-8")) from None
     try:
-        tables = _tables(text)
-        for name, value in by_dotted_key(keys).items():
-            tables = with_value(tables, name.split("."), value)
+        tables = _tables(text, keys)
         return validated(model_for(tables), tables, path.parent)
     except InertiaModuleError as error:
         raise SceneError(f"{path.name}: {error}") from None
@@ -109,9 +114,7 @@ def display_units(path: Path | str, keys: Keys | None = None) -> dict[str, str]:
     Returns:
         Units by SI unit (speeds of vehicles: by km/h), without quantities that have no unit in the scene.
     """
-    tables = _tables(read_text(Path(path)))
-    for name, value in by_dotted_key(keys).items():
-        tables = with_value(tables, name.split("."), value)
+    tables = _tables(read_text(Path(path)), keys)
     units = Counter[tuple[str, str]]()
     for text, quantity in product(_strings([tables.get(name) for name in _OPERATION]), _QUANTITIES):
         with contextlib.suppress(ValueError):  # another text, or the unit of another quantity

@@ -9,8 +9,8 @@ import type { Mechanism } from "./mechanism";
 
 export type TraceFrame = "link1" | "fixed" | "off";
 
-const SEGMENTS_A_TURN = 72;
-const MOST_SEGMENTS = 4000;
+const SEGMENTS_PER_TURN = 72;
+const MAX_SEGMENTS = 4000;
 /** Radius of the path, as a fraction of the reach. */
 const THICKNESS = 0.006;
 const TRAIL = 900;
@@ -40,8 +40,8 @@ class Path extends Curve<Vector3> {
   }
 }
 
-/** A material of the path. */
-function drawn(opacity: number): MeshBasicMaterial {
+/** Return a material of the path. */
+function pathMaterial(opacity: number): MeshBasicMaterial {
   return new MeshBasicMaterial({ color: PARTS.trace, transparent: true, opacity });
 }
 
@@ -53,11 +53,11 @@ export class Trace {
   constructor(private readonly shape: Geometry, { shift, front, reach }: Pick<Mechanism, "shift" | "front" | "reach">) {
     this.closed.position.x = this.trail.position.x = front;
     const span = period(shape);
-    const segments = Math.min(Math.ceil((span / (2 * Math.PI)) * SEGMENTS_A_TURN), MOST_SEGMENTS);
+    const segments = Math.min(Math.ceil((span / (2 * Math.PI)) * SEGMENTS_PER_TURN), MAX_SEGMENTS);
     const satellites = shape.layout === "planar" ? shape.satellites : 1;
     // a wire: the wide lines of three are instances, which a processor draws one by one
     const wire = new TubeGeometry(new Path(shape, span), segments, THICKNESS * reach, 4, true);
-    const [first, other] = [drawn(0.9), drawn(0.45)];
+    const [first, other] = [pathMaterial(0.9), pathMaterial(0.45)];
     const lines = Math.min(shape.modules * satellites, MOST_LINES);
     for (let n = 0; n < lines; n++) {
       const line = new Mesh(wire, n === 0 ? first : other);

@@ -484,6 +484,24 @@ def grid_ratio(side: Side, n: int) -> float:
     return min(max(side.end * RATIOS[n], FIRST_RATIO * side.end), side.end * (1.0 - LAST_SLIP))
 
 
+def compute_orbit(d: Constants, w: Workspace, side: Side, n: int, m: int, omega1: float) -> bool:
+    """Write the orbit of ratio n for slowness m, and return True if there is one.
+
+    Args:
+        d: Constants with the friction of this slowness.
+        w: Workspace.
+        side: Map for one sign of omega1.
+        n: Number of the ratio.
+        m: Number of the slowness.
+        omega1: Mean input speed of the orbit, rad/s.
+    """
+    scale = abs(omega1) + (side.v0 if m > 0 else 0.0)
+    time = find_orbit(d, w.orbit, w, omega1, grid_ratio(side, n), period_length(d))
+    if time > 0.0:
+        write_orbit(d, w.orbit, w, side.columns[n], m, omega1, scale, time)
+    return time > 0.0
+
+
 def add_orbit(d: Constants, w: Workspace, side: Side, n: int, m: int, omega1: float) -> bool:
     """Write the orbit of ratio n for slowness m. If there is no orbit, copy the means of the previous ratio.
 
@@ -498,13 +516,11 @@ def add_orbit(d: Constants, w: Workspace, side: Side, n: int, m: int, omega1: fl
     Returns:
         True if the column has means.
     """
-    scale = abs(omega1) + (side.v0 if m > 0 else 0.0)
-    time = find_orbit(d, w.orbit, w, omega1, grid_ratio(side, n), period_length(d))
-    if time > 0.0:
-        write_orbit(d, w.orbit, w, side.columns[n], m, omega1, scale, time)
-    elif n > 0:
+    if compute_orbit(d, w, side, n, m, omega1):
+        return True
+    if n > 0:
         copy_orbit(side.columns[n], side.columns[n - 1], m)
-    return time > 0.0 or n > 0
+    return n > 0
 
 
 def add_orbits(d: Constants, w: Workspace, side: Side, m: int, omega1: float) -> bool:
@@ -645,9 +661,7 @@ def refine(p: Parameters, d: Constants, w: Workspace, side: Side, count: int, ma
     omega1 = input_speed(side, side.slowness[m])
     for n in range(len(RATIOS)):
         if d.map_evaluations < max_evaluations:
-            time = find_orbit(d, w.orbit, w, omega1, grid_ratio(side, n), period_length(d))
-            if time > 0.0:
-                write_orbit(d, w.orbit, w, side.columns[n], m, omega1, abs(omega1) + side.v0, time)
+            compute_orbit(d, w, side, n, m, omega1)
 
 
 def add_friction(p: Parameters, d: Constants, w: Workspace, side: Side) -> bool:
